@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <tuple>
+#include <utility>
+
+#include "glissade/base/matrix.h"
+#include "glissade/vertices/concept.h"
+
+/// \file
+/// What a type must offer to be a typed edge (a residual term). An edge is a plain value and a
+/// stateless function of its vertices:
+///
+///     struct EdgeRange {
+///       using Vertices = VertexList<VertexPose, VertexPointXYZ>;
+///       static constexpr int kResidualDim = 1;
+///       double measured;
+///       bool Evaluate(const VertexPose& pose, const VertexPointXYZ& point, Vector<1>& r,
+///                     Jacobian<1, 6>* d_r_d_pose, Jacobian<1, 3>* d_r_d_point) const;
+///       Status Validate() const;   // optional: refuse an impossible measurement when added
+///     };
+///
+/// Evaluate writes the residual (predicted - measured, unweighted) and, through each Jacobian
+/// pointer that is not null, the derivative with respect to that vertex's tangent. It returns false
+/// only where no number exists (a division by zero), never because a result is implausible.
+/// It must be safe to call from several threads.
+///
+/// Optional members:
+///   static constexpr bool kIsObservation = true;  // two on the same vertices with
+///   bool SameSensor(const EdgeX& other) const;    //   SameSensor true are duplicates
+///   Result depth: double Depth(vertices...) const; // for DepthOf and GetOutlierEdges
+namespace glissade {
+
+/// The vertex types an edge connects, in the order of Evaluate's arguments.
+template <VertexType... V>
+struct VertexList {
+  static constexpr int kSize = sizeof...(V);
+  using Handles = std::tuple<VertexHandle<V>...>;
+  template <int I>
+  using Type = std::tuple_element_t<static_cast<std::size_t>(I), std::tuple<V...>>;
+};
+
+template <class E>
+concept EdgeHasVertices = requires {
+  typename E::Vertices;
+  { E::Vertices::kSize } -> std::convertible_to<int>;
+} && (E::Vertices::kSize >= 1);
+
+template <class E>
+concept EdgeHasResidualDim = requires {
+  { E::kResidualDim } -> std::convertible_to<int>;
+} && (E::kResidualDim >= 1);
+
+namespace internal {
+template <class E, class List>
+inline constexpr bool kCanEvaluate = false;
+template <class E, class... V>
+inline constexpr bool kCanEvaluate<E, VertexList<V...>> =
+    requires(const E& edge, const V&... vertex, Vector<E::kResidualDim>& r,
+             Jacobian<E::kResidualDim, V::kTangentDim>*... jacobian) {
+      { edge.Evaluate(vertex..., r, jacobian...) } -> std::same_as<bool>;
+    };
+}  // namespace internal
+
+/// `bool Evaluate(const V&..., Vector<R>& r, Jacobian<R, V::kTangentDim>*...) const`
+template <class E>
+concept EdgeHasEvaluate = internal::kCanEvaluate<E, typename E::Vertices>;
+
+template <class E>
+concept EdgeType = std::copyable<E> && EdgeHasVertices<E> && EdgeHasResidualDim<E> &&
+                   EdgeHasEvaluate<E>;
+
+/// The I-th vertex type of edge type E.
+template <class E, int I>
+using EdgeVertex = typename E::Vertices::template Type<I>;
+
+/// The handles an edge of type E is added with: a tuple, so `{host, target, depth}` does.
+template <class E>
+using EdgeVertexHandles = typename E::Vertices::Handles;
+
+/// Calls f(std::integral_constant<int, 0>{}), ..., f(<N - 1>).
+template <int N, class F>
+constexpr void ForEachIndex(F&& f) {
+  [&]<int... I>(std::integer_sequence<int, I...>) {
+    (f(std::integral_constant<int, I>{}), ...);
+  }(std::make_integer_sequence<int, N>{});
+}
+
+}  // namespace glissade

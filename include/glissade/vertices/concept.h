@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <concepts>
+#include <cstring>
+
+#include "glissade/base/handle.h"
+#include "glissade/base/status.h"
+
+/// \file
+/// What a type must offer to be a vertex of the graph. A vertex is a plain value:
+///
+///     struct VertexPlane {
+///       static constexpr int kAmbientDim = 4;        // doubles that hold the state
+///       static constexpr int kTangentDim = 3;        // degrees of freedom
+///       static constexpr bool kEliminated = false;   // optional: true for landmark types
+///       double* Data();                              // kAmbientDim contiguous doubles:
+///       const double* Data() const;                  //   the whole state
+///       void Plus(const double* delta);              // x <- x boxplus delta (kTangentDim)
+///       void Minus(const VertexPlane& x0, double* delta) const;  // delta = x boxminus x0
+///       Status Validate() const;                     // optional: refuse an impossible state
+///     };
+///
+/// Axioms (CheckVertexAxioms in testing.h): (x boxplus 0) = x, x boxplus (y boxminus x) = y,
+/// (x boxplus d) boxminus x = d for small d.
+namespace glissade {
+
+template <class V>
+concept VertexHasDimensions = requires {
+  { V::kAmbientDim } -> std::convertible_to<int>;
+  { V::kTangentDim } -> std::convertible_to<int>;
+} && (V::kTangentDim >= 1) && (V::kAmbientDim >= V::kTangentDim);
+
+template <class V>
+concept VertexHasData = requires(V v, const V cv) {
+  { v.Data() } -> std::same_as<double*>;
+  { cv.Data() } -> std::same_as<const double*>;
+};
+
+template <class V>
+concept VertexHasManifold = requires(V v, const V cv, const double* in, double* out) {
+  v.Plus(in);
+  cv.Minus(cv, out);
+};
+
+template <class V>
+concept VertexType = std::copyable<V> && std::default_initializable<V> && VertexHasDimensions<V> &&
+                     VertexHasData<V> && VertexHasManifold<V>;
+
+/// True for landmark types: eliminated from the normal equations one by one (Schur complement).
+template <class V>
+inline constexpr bool kIsEliminated = [] {
+  if constexpr (requires { V::kEliminated; }) {
+    static_assert(!V::kEliminated || V::kTangentDim <= 4,
+                  "an eliminated vertex type has a tangent of 1 to 4 dimensions");
+    return bool(V::kEliminated);
+  } else {
+    return false;
+  }
+}();
+
+/// A vertex type at run time: its name, dimensions and manifold, as functions on raw states.
+struct VertexOps {
+  const TypeInfo* type;
+  int ambient_dim;
+  int tangent_dim;
+  bool eliminated;
+  void (*plus)(const double* x, const double* delta, double* x_plus_delta);
+  void (*minus)(const double* x, const double* x0, double* delta);
+};
+
+namespace internal {
+template <VertexType V>
+V VertexFromData(const double* x) {
+  V v;
+  std::memcpy(v.Data(), x, sizeof(double) * V::kAmbientDim);
+  return v;
+}
+}  // namespace internal
+
+template <VertexType V>
+inline constexpr VertexOps kVertexOps{
+    &kTypeInfo<V>,
+    V::kAmbientDim,
+    V::kTangentDim,
+    kIsEliminated<V>,
+    [](const double* x, const double* delta, double* out) {
+      V v = internal::VertexFromData<V>(x);
+      v.Plus(delta);
+      std::memcpy(out, v.Data(), sizeof(double) * V::kAmbientDim);
+    },
+    [](const double* x, const double* x0, double* delta) {
+      internal::VertexFromData<V>(x).Minus(internal::VertexFromData<V>(x0), delta);
+    },
+};
+
+/// A vertex as a dynamic edge sees it: its type and where its state lies (ambient_dim doubles).
+struct VertexRef {
+  const VertexOps* ops = nullptr;
+  const double* data = nullptr;
+};
+
+}  // namespace glissade
