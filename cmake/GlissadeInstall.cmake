@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: 2026 The glissade authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Each library has an export file of its own, so that find_package(glissade) asks a consumer for
+# zlib, bzip2 or Ceres only where the part that needs them is used.
+
+set(glissade_cmake_dir "${CMAKE_INSTALL_LIBDIR}/cmake/glissade")
+set(glissade_installed_parts)
+
+function(glissade_install_library target part)
+  if(NOT TARGET ${target})
+    return()
+  endif()
+  install(TARGETS ${target} EXPORT ${target}Targets
+    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+    RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  install(EXPORT ${target}Targets NAMESPACE glissade:: DESTINATION "${glissade_cmake_dir}")
+  set(glissade_installed_parts ${glissade_installed_parts} ${part} PARENT_SCOPE)
+endfunction()
+
+glissade_install_library(glissade core)
+glissade_install_library(glissade_io io)
+glissade_install_library(glissade_ceres ceres_bridge)
+
+if(EXISTS "${PROJECT_SOURCE_DIR}/include/glissade")
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/glissade"
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
+endif()
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+set(glissade_io_is_static TRUE)
+if(BUILD_SHARED_LIBS)
+  set(glissade_io_is_static FALSE)
+endif()
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/glissadeConfig.cmake.in"
+  "${PROJECT_BINARY_DIR}/glissadeConfig.cmake" INSTALL_DESTINATION "${glissade_cmake_dir}"
+  NO_SET_AND_CHECK_MACRO)
+# Before 1.0 a minor version may break: only the same minor version is compatible.
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/glissadeConfigVersion.cmake"
+  COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/glissadeConfig.cmake"
+              "${PROJECT_BINARY_DIR}/glissadeConfigVersion.cmake"
+  DESTINATION "${glissade_cmake_dir}")

@@ -1,0 +1,22 @@
+# SPDX-FileCopyrightText: 2026 The glissade authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Configures, builds and runs the consumer in SOURCE_DIR against the package installed in PREFIX,
+# with compiler CXX and FLAGS.
+file(REMOVE_RECURSE "${WORK_DIR}")
+
+function(step)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result)
+  if(result)
+    list(JOIN ARGV " " command)
+    message(FATAL_ERROR "failed (${result}): ${command}")
+  endif()
+endfunction()
+
+# No launcher: the time of the compiler is what is printed, not that of a cache.
+unset(ENV{CMAKE_CXX_COMPILER_LAUNCHER})
+unset(ENV{CXXFLAGS})
+step("${CMAKE_COMMAND}" -S "${SOURCE_DIR}" -B "${WORK_DIR}" -DCMAKE_BUILD_TYPE=Release
+     "-DCMAKE_PREFIX_PATH=${PREFIX}" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${FLAGS}")
+step("${CMAKE_COMMAND}" --build "${WORK_DIR}" --config Release --verbose)
+step("${WORK_DIR}/consumer")
