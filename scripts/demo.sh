@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The glissade authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# demo.sh [ARGUMENT...]
+#
+# Installs what is missing (Debian 12, Ubuntu 22.04 or newer), builds testMonoBA and runs it with the
+# given arguments.
+source "$(dirname "${BASH_SOURCE[0]}")/lib_setup.sh"
+
+need_packages "${packages_build[@]}" "${packages_app[@]}"
+configure release
+say "building testMonoBA"
+log=$(mktemp)
+cmake --build --preset release --target testMonoBA -j "$jobs" >"$log" 2>&1 || {
+  tail -n 40 "$log" >&2
+  rm -f "$log"
+  die "the build failed (the end of its output is above)"
+}
+rm -f "$log"
+say "build/release/bin/testMonoBA $*"
+exec build/release/bin/testMonoBA "$@"

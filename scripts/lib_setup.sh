@@ -1,0 +1,118 @@
+# shellcheck shell=bash
+# SPDX-FileCopyrightText: 2026 The glissade authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# Sourced by the other scripts: common settings, and need_packages, which installs what is missing
+# on Debian and Ubuntu. GLISSADE_NO_INSTALL=1 says that the machine is set up and must not change.
+
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+# One job a core, but no more than there are free gigabytes: Eigen's templates are hungry.
+glissade_jobs() {
+  local jobs memory_gb
+  jobs=$(nproc 2>/dev/null || echo 2)
+  memory_gb=$(awk '/^MemAvailable/ {print int($2 / 1048576)}' /proc/meminfo 2>/dev/null || true)
+  if [[ -n $memory_gb ]] && ((memory_gb < jobs)); then jobs=$((memory_gb > 1 ? memory_gb : 1)); fi
+  echo "$jobs"
+}
+jobs=${GLISSADE_JOBS:-$(glissade_jobs)}
+
+say() { printf '== %s\n' "$*"; }
+die() {
+  printf '\nerror: %s\n' "$*" >&2
+  exit 1
+}
+
+packages_build=(g++ cmake make libeigen3-dev)
+packages_app=(libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libbz2-dev)
+packages_test=(libgtest-dev libgmock-dev libbenchmark-dev python3)
+# Nice to have: without them the parts that need them are skipped, with a message.
+packages_optional=(libceres-dev)
+
+# Tools count as there wherever they come from; libraries are asked for by package.
+package_is_here() {
+  case $1 in
+    g++) command -v c++ || command -v g++ || command -v clang++ || [[ -n ${CXX:-} ]] ;;
+    make) command -v make || command -v ninja ;;
+    cmake | python3 | git | clang-format) command -v "$1" ;;
+    binutils) command -v nm && command -v objdump ;;
+    *) [[ $(dpkg-query -W -f='${Status}' "$1" 2>/dev/null) == "install ok installed" ]] ;;
+  esac >/dev/null
+}
+
+# need_packages NAME...            installs the missing ones, or ends with one message
+# need_packages --optional NAME... the same, but goes on without what cannot be had
+need_packages() {
+  local optional='' missing=() package log
+  if [[ $1 == --optional ]]; then
+    optional=1
+    shift
+  fi
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    for package in g++ cmake make; do
+      package_is_here "$package" ||
+        die "$package is missing, and this is no Debian or Ubuntu, where this script could install it." \
+          "Needed: ${packages_build[*]} ${packages_app[*]}"
+    done
+    if [[ -z ${glissade_no_apt_said:-} ]]; then
+      say "no apt-get here: going on with what is installed"
+      glissade_no_apt_said=1
+    fi
+    return
+  fi
+  for package in "$@"; do
+    package_is_here "$package" || missing+=("$package")
+  done
+  ((${#missing[@]})) || return 0
+
+  local command_line="apt-get install ${missing[*]}"
+  if [[ -n ${GLISSADE_NO_INSTALL:-} ]]; then
+    if [[ $optional ]]; then return 0; fi
+    die "missing packages, and GLISSADE_NO_INSTALL is set: $command_line"
+  fi
+  local as_root=()
+  if ((EUID != 0)); then
+    if ! command -v sudo >/dev/null; then
+      [[ $optional ]] && { say "not root and no sudo: going on without ${missing[*]}"; return; }
+      die "missing packages, and neither root nor sudo here. As root: $command_line"
+    fi
+    as_root=(sudo)
+    [[ -t 0 ]] || as_root+=(-n)
+  fi
+  say "installing ${missing[*]}"
+  log=$(mktemp)
+  if [[ -z ${glissade_apt_updated:-} ]]; then
+    "${as_root[@]}" apt-get update -q >"$log" 2>&1 || true # an old list may still do
+    glissade_apt_updated=1
+  fi
+  if "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q \
+    --no-install-recommends -o DPkg::Lock::Timeout=300 "${missing[@]}" >>"$log" 2>&1 </dev/null; then
+    rm -f "$log"
+    return
+  fi
+  tail -n 15 "$log" >&2
+  rm -f "$log"
+  if [[ $optional ]]; then
+    say "could not install ${missing[*]}: going on without"
+    return
+  fi
+  die "could not install ${missing[*]} (no network, no rights?). Install them and run this again: $command_line"
+}
+
+# configure PRESET [CMAKE ARGUMENT...]: prints only what a user should know.
+configure() {
+  local version log
+  version=$(cmake --version | sed -n 's/^cmake version //p')
+  if [[ $(printf '%s\n' 3.22 "$version" | sort -V | head -n 1) != 3.22 ]]; then
+    die "cmake $version is too old: 3.22 or newer is needed (Debian 12 and Ubuntu 22.04 have it)"
+  fi
+  log=$(mktemp)
+  if ! cmake --preset "$@" >"$log" 2>&1; then
+    cat "$log" >&2
+    rm -f "$log"
+    die "cmake could not configure the preset $1 (its words are above)"
+  fi
+  sed -n 's/^-- glissade: /== /p' "$log"
+  rm -f "$log"
+}
