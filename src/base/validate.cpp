@@ -2,19 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/base/validate.h"
 
-#include <cmath>
 #include <cstdio>
 #include <string>
 
-namespace glissade {
+namespace glissade::internal {
 
 namespace {
 
-std::string Message(std::string_view what, std::string_view problem) {
-  std::string message(what);
-  message += ": ";
-  message += problem;
-  return message;
+std::string Message(std::string_view what, const std::string& problem) {
+  return std::string(what) + ": " + problem;
 }
 
 std::string ToText(double x) {
@@ -23,37 +19,23 @@ std::string ToText(double x) {
   return buffer;
 }
 
-constexpr double kUnitTolerance = 1e-6;
-
 }  // namespace
 
-Status ValidateFinite(const double* x, int n, std::string_view what) {
-  for (int i = 0; i < n; ++i) {
-    if (std::isfinite(x[i])) continue;
-    std::string problem = "value ";
-    if (n > 1) problem += std::to_string(i) + " ";
-    return {StatusCode::kNotFinite, Message(what, problem + "is " + ToText(x[i]))};
-  }
-  return {};
+Status NotFinite(const double* x, int n, std::string_view what) {
+  int culprit = 0;
+  while (culprit < n - 1 && std::isfinite(x[culprit]))
+    ++culprit;
+  const std::string index = n > 1 ? "[" + std::to_string(culprit) + "]" : "";
+  return {StatusCode::kNotFinite, Message(what, "value" + index + " is " + ToText(x[culprit]))};
 }
 
-Status ValidatePositive(double x, std::string_view what) {
-  if (!std::isfinite(x)) return {StatusCode::kNotFinite, Message(what, "value is " + ToText(x))};
-  if (x <= 0.0) {
-    return {StatusCode::kNotPositive, Message(what, "value is " + ToText(x) + ", not positive")};
-  }
-  return {};
+Status NotPositive(double x, std::string_view what) {
+  return {StatusCode::kNotPositive, Message(what, "value is " + ToText(x) + ", not positive")};
 }
 
-Status ValidatePose(const double* pose, std::string_view what) {
-  if (Status status = ValidateFinite(pose, 7, what); !status.ok()) return status;
-  const double* q = pose + 3;
-  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (!(std::abs(norm - 1.0) <= kUnitTolerance)) {
-    return {StatusCode::kInvalidArgument,
-            Message(what, "quaternion has norm " + ToText(norm) + ", not 1")};
-  }
-  return {};
+Status NotUnit(double norm, std::string_view what) {
+  return {StatusCode::kInvalidArgument,
+          Message(what, "quaternion has norm " + ToText(norm) + ", not 1")};
 }
 
-}  // namespace glissade
+}  // namespace glissade::internal

@@ -34,7 +34,7 @@ enum class StatusCode {
 std::string_view ToString(StatusCode code);
 
 /// Outcome of a call: kOk, or what went wrong and with whom.
-class [[nodiscard]] Status {
+class Status {
  public:
   Status() = default;
   Status(StatusCode code, std::string message) : code_(code), message_(std::move(message)) {}

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "glissade/edges/dynamic.h"
+#include "glissade/graph/edge_pool_base.h"
+
+namespace glissade {
+
+/// All dynamic edges of a graph, of whatever class.
+class DynamicEdgePool final : public EdgePoolBase {
+ public:
+  DynamicEdgePool() : EdgePoolBase(&kTypeInfo<DynamicEdge>) {}
+
+  struct Vertex {
+    VertexPoolBase* pool;
+    internal::SlotMap::Address address;
+  };
+
+  EdgeHandle<DynamicEdge> Add(std::unique_ptr<DynamicEdge> edge, std::span<const Vertex> vertices,
+                              const Loss& loss);
+
+  [[nodiscard]] const DynamicEdge& At(int edge) const { return *EntryAt(edge).edge; }
+  [[nodiscard]] DynamicEdge& At(int edge) { return *items_[static_cast<std::size_t>(edge)].edge; }
+
+  [[nodiscard]] int arity(int edge) const override {
+    return static_cast<int>(EntryAt(edge).vertices.size());
+  }
+  [[nodiscard]] int residual_dim(int edge) const override { return EntryAt(edge).edge->ResidualDim(); }
+  [[nodiscard]] VertexPoolBase* vertex_pool(int edge, int i) const override {
+    return EntryAt(edge).vertices[static_cast<std::size_t>(i)].pool;
+  }
+  [[nodiscard]] internal::SlotMap::Address vertex_address(int edge, int i) const override {
+    return EntryAt(edge).vertices[static_cast<std::size_t>(i)].address;
+  }
+
+  bool Evaluate(int edge, const double* const* states, double* residual,
+                double* const* jacobians) const override;
+  void Whiten(int, double*, double* const*) const override {}
+  [[nodiscard]] double Chi2(int edge) const override;
+  bool Depth(int, double*) const override { return false; }
+  [[nodiscard]] bool IsDuplicate(int, int) const override { return false; }
+  [[nodiscard]] bool IsObservation() const override { return false; }
+  bool Linearize(const std::int32_t* words, int count, NormalEquationsSink* sink) const override;
+  bool Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const override;
+  void Prepare() override;
+  void Compact() override;
+  [[nodiscard]] std::unique_ptr<EdgePoolBase> Clone(
+      const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools) const override;
+
+ private:
+  struct Entry {
+    std::unique_ptr<DynamicEdge> edge;
+    std::vector<Vertex> vertices;
+    // Scratch of this edge, so that edges can be evaluated side by side without allocating.
+    mutable std::vector<VertexRef> refs;
+    mutable std::vector<double> residual;
+    mutable std::vector<double> jacobian;  // blocks one after the other
+    mutable std::vector<double*> jacobian_of_vertex;
+    mutable std::vector<double> gradient;
+  };
+
+  [[nodiscard]] const Entry& EntryAt(int edge) const {
+    return items_[static_cast<std::size_t>(edge)];
+  }
+  void PrepareItem(Entry* item) const;
+  void FillRefs(const Entry& item) const;
+  void SetRefs(const Entry& item, const std::int32_t* words) const;
+  bool LinearizeConstant(const Entry& item, const std::int32_t* words,
+                         NormalEquationsSink* sink) const;
+  bool LinearizeGeneral(const Entry& item, const Loss& loss, const std::int32_t* words,
+                        NormalEquationsSink* sink) const;
+  static void Add(const Entry& item, const std::int32_t* words, const double* H, int stride,
+                  const double* gradient, NormalEquationsSink* sink);
+
+  std::vector<Entry> items_;
+};
+
+}  // namespace glissade

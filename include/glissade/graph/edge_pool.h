@@ -1,0 +1,263 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "glissade/edges/concept.h"
+#include "glissade/graph/edge_options.h"
+#include "glissade/graph/edge_pool_base.h"
+#include "glissade/graph/robust.h"
+
+namespace glissade {
+
+namespace internal {
+template <class List>
+struct EdgeTuples;
+template <class... V>
+struct EdgeTuples<VertexList<V...>> {
+  using Pools = std::tuple<VertexPool<V>*...>;
+  template <int R>
+  using Jacobians = std::tuple<Jacobian<R, V::kTangentDim>...>;
+};
+}  // namespace internal
+
+/// All edges of one typed kind: values, vertices, weights. Linearization is a loop without virtual
+/// calls over fixed-size blocks.
+template <EdgeType E>
+class EdgePool final : public EdgePoolBase {
+ public:
+  static constexpr int kArity = E::Vertices::kSize;
+  static constexpr int kRows = E::kResidualDim;
+  using Pools = typename internal::EdgeTuples<typename E::Vertices>::Pools;
+  using Jacobians = typename internal::EdgeTuples<typename E::Vertices>::template Jacobians<kRows>;
+  using SqrtInformation = SquareMatrix<kRows>;
+  using Addresses = std::array<internal::SlotMap::Address, kArity>;
+
+  explicit EdgePool(const Pools& pools) : EdgePoolBase(&kTypeInfo<E>), pools_(pools) {}
+
+  EdgeHandle<E> Add(const E& edge, const EdgeVertexHandles<E>& vertices,
+                    const SqrtInformation& sqrt_information, bool identity, const Loss& loss) {
+    const auto address = slots_.Add();
+    edges_.push_back(edge);
+    Addresses addresses;
+    ForEachIndex<kArity>([&](auto i) {
+      addresses[i] = {std::get<i>(vertices).slot, std::get<i>(vertices).generation};
+    });
+    vertices_.push_back(addresses);
+    sqrt_information_.push_back(sqrt_information);
+    identity_.push_back(identity ? 1 : 0);
+    loss_of_edge_.push_back(FindOrAddLoss(loss));
+    return {address.slot, address.generation};
+  }
+
+  [[nodiscard]] const E& At(int edge) const { return edges_[Index(edge)]; }
+  [[nodiscard]] E& At(int edge) { return edges_[Index(edge)]; }
+  [[nodiscard]] const SqrtInformation& sqrt_information(int edge) const {
+    return sqrt_information_[Index(edge)];
+  }
+  void set_sqrt_information(int edge, const SqrtInformation& value, bool identity) {
+    sqrt_information_[Index(edge)] = value;
+    identity_[Index(edge)] = identity ? 1 : 0;
+  }
+  [[nodiscard]] const Pools& pools() const { return pools_; }
+
+  [[nodiscard]] int arity(int) const override { return kArity; }
+  [[nodiscard]] int residual_dim(int) const override { return kRows; }
+  [[nodiscard]] VertexPoolBase* vertex_pool(int, int i) const override {
+    VertexPoolBase* pool = nullptr;
+    ForEachIndex<kArity>([&](auto k) {
+      if (k == i) pool = std::get<k>(pools_);
+    });
+    return pool;
+  }
+  [[nodiscard]] internal::SlotMap::Address vertex_address(int edge, int i) const override {
+    return vertices_[Index(edge)][static_cast<std::size_t>(i)];
+  }
+
+  bool Evaluate(int edge, const double* const* states, double* residual,
+                double* const* jacobians) const override {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      Vector<kRows> r;
+      Jacobians J;
+      const bool ok = At(edge).Evaluate(
+          internal::VertexFromData<EdgeVertex<E, I>>(states[I])..., r,
+          (jacobians != nullptr && jacobians[I] != nullptr ? &std::get<I>(J) : nullptr)...);
+      if (!ok || !r.allFinite()) return false;
+      bool finite = true;
+      Eigen::Map<Vector<kRows>>(residual).operator=(r);
+      const auto copy = [&](const auto& block, double* out) {
+        finite = finite && block.allFinite();
+        std::copy_n(block.data(), block.size(), out);
+      };
+      if (jacobians != nullptr) {
+        ((jacobians[I] != nullptr ? copy(std::get<I>(J), jacobians[I]) : void()), ...);
+      }
+      return finite;
+    }(std::make_index_sequence<kArity>{});
+  }
+
+  void Whiten(int edge, double* residual, double* const* jacobians) const override {
+    if (identity_[Index(edge)] != 0) return;
+    const SqrtInformation& L = sqrt_information(edge);
+    Eigen::Map<Vector<kRows>> r(residual);
+    r = (L * r).eval();
+    if (jacobians == nullptr) return;
+    ForEachIndex<kArity>([&](auto i) {
+      if (jacobians[i] == nullptr) return;
+      Eigen::Map<Jacobian<kRows, EdgeVertex<E, i>::kTangentDim>> J(jacobians[i]);
+      J = (L * J).eval();
+    });
+  }
+
+  [[nodiscard]] double Chi2(int edge) const override {
+    return Apply(DenseIndices(edge), [&](const auto&... vertex) {
+      Vector<kRows> r;
+      if (!EvaluateResidual(At(edge), r, vertex...)) return std::numeric_limits<double>::quiet_NaN();
+      return WhitenedSquaredNorm(edge, r);
+    });
+  }
+
+  bool Depth(int edge, double* depth) const override {
+    return Apply(DenseIndices(edge), [&](const auto&... vertex) {
+      if constexpr (requires(const E& e) {
+                      { e.Depth(vertex...) } -> std::convertible_to<double>;
+                    }) {
+        *depth = At(edge).Depth(vertex...);
+        return true;
+      } else {
+        return false;
+      }
+    });
+  }
+
+  [[nodiscard]] bool IsObservation() const override {
+    if constexpr (requires { E::kIsObservation; }) return E::kIsObservation;
+    return false;
+  }
+  [[nodiscard]] bool IsDuplicate(int edge, int other) const override {
+    if constexpr (requires { E::kIsObservation; }) {
+      if constexpr (requires(const E& e) {
+                      { e.SameSensor(e) } -> std::convertible_to<bool>;
+                    }) {
+        return E::kIsObservation && At(edge).SameSensor(At(other));
+      } else {
+        return E::kIsObservation;
+      }
+    }
+    return false;
+  }
+
+  bool Linearize(const std::int32_t* words, int count, NormalEquationsSink* sink) const override {
+    for (int k = 0; k < count; ++k, words += plan::NumWords(kArity)) {
+      if (!LinearizeOne(words, sink)) {
+        sink->failed_edge = words[plan::kEdge];
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const override {
+    for (int k = 0; k < count; ++k, words += plan::NumWords(kArity)) {
+      const int edge = words[plan::kEdge];
+      const double cost = Apply(words + plan::State(0), [&](const auto&... vertex) {
+        Vector<kRows> r;
+        if (!EvaluateResidual(At(edge), r, vertex...)) {
+          return std::numeric_limits<double>::quiet_NaN();
+        }
+        const double s = WhitenedSquaredNorm(edge, r);
+        const Loss& rho = loss(edge);
+        return rho.trivial() ? 0.5 * s : internal::RobustScale(rho, s).cost;
+      });
+      if (!std::isfinite(cost)) {
+        sink->failed_edge = edge;
+        return false;
+      }
+      sink->cost += cost;
+    }
+    return true;
+  }
+
+  void Compact() override {
+    // An edge goes with its vertices: mark those first.
+    for (int edge = 0; edge < size(); ++edge) {
+      if (slots_.AliveAt(edge) && !Alive(edge)) slots_.Remove(slots_.SlotOf(edge));
+    }
+    slots_.Compact([this](int from, int to) {
+      const std::size_t f = Index(from), t = Index(to);
+      edges_[t] = edges_[f];
+      vertices_[t] = vertices_[f];
+      sqrt_information_[t] = sqrt_information_[f];
+      identity_[t] = identity_[f];
+      loss_of_edge_[t] = loss_of_edge_[f];
+    });
+    const auto n = static_cast<std::size_t>(slots_.Size());
+    edges_.erase(edges_.begin() + static_cast<std::ptrdiff_t>(n), edges_.end());
+    vertices_.resize(n);
+    sqrt_information_.resize(n);
+    identity_.resize(n);
+    loss_of_edge_.resize(n);
+  }
+
+  [[nodiscard]] std::unique_ptr<EdgePoolBase> Clone(
+      const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools) const override {
+    auto copy = std::make_unique<EdgePool>(*this);
+    ForEachIndex<kArity>([&](auto i) {
+      for (const auto& pool : vertex_pools) {
+        if (pool->ops().type == &kTypeInfo<EdgeVertex<E, i>>) {
+          std::get<i>(copy->pools_) = static_cast<VertexPool<EdgeVertex<E, i>>*>(pool.get());
+        }
+      }
+    });
+    return copy;
+  }
+
+ private:
+  static std::size_t Index(int i) { return static_cast<std::size_t>(i); }
+
+  [[nodiscard]] std::array<std::int32_t, kArity> DenseIndices(int edge) const {
+    std::array<std::int32_t, kArity> indices;
+    ForEachIndex<kArity>([&](auto i) {
+      indices[i] = std::get<i>(pools_)->slots().IndexOf(vertices_[Index(edge)][i].slot);
+    });
+    return indices;
+  }
+
+  template <class Indices, class F>
+  auto Apply(const Indices& state, F&& f) const {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+      return f(std::get<I>(pools_)->At(state[I])...);
+    }(std::make_index_sequence<kArity>{});
+  }
+
+  template <class... V>
+  static bool EvaluateResidual(const E& edge, Vector<kRows>& r, const V&... vertex) {
+    return edge.Evaluate(vertex..., r,
+                         static_cast<Jacobian<kRows, V::kTangentDim>*>(nullptr)...);
+  }
+
+  double WhitenedSquaredNorm(int edge, const Vector<kRows>& r) const {
+    if (identity_[Index(edge)] != 0) return r.squaredNorm();
+    return (sqrt_information(edge) * r).squaredNorm();
+  }
+
+  bool LinearizeOne(const std::int32_t* words, NormalEquationsSink* sink) const;
+  void Accumulate(const std::int32_t* words, const Vector<kRows>& r, const Jacobians& J,
+                  NormalEquationsSink* sink) const;
+
+  Pools pools_;
+  std::vector<E> edges_;
+  std::vector<Addresses> vertices_;
+  std::vector<SqrtInformation> sqrt_information_;
+  std::vector<std::uint8_t> identity_;
+};
+
+}  // namespace glissade
+
+#include "glissade/graph/edge_pool_linearize.h"

@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "glissade/graph/edge_plan.h"
+#include "glissade/graph/slot_map.h"
+#include "glissade/graph/vertex_pool.h"
+#include "glissade/losses/loss.h"
+
+namespace glissade {
+
+/// All edges of one type (or all dynamic edges), as the rooms below the graph see them.
+class EdgePoolBase {
+ public:
+  explicit EdgePoolBase(const TypeInfo* type) : type_(type) {}
+  virtual ~EdgePoolBase() = default;
+
+  [[nodiscard]] const TypeInfo* type() const { return type_; }
+  [[nodiscard]] const internal::SlotMap& slots() const { return slots_; }
+  [[nodiscard]] int size() const { return slots_.Size(); }
+  [[nodiscard]] AnyEdge HandleAt(int edge) const {
+    const std::uint32_t slot = slots_.SlotOf(edge);
+    return {type_, slot, slots_.GenerationOf(slot)};
+  }
+  [[nodiscard]] const Loss& loss(int edge) const {
+    return losses_[loss_of_edge_[static_cast<std::size_t>(edge)]];
+  }
+  void set_loss(int edge, const Loss& loss) {
+    loss_of_edge_[static_cast<std::size_t>(edge)] = FindOrAddLoss(loss);
+  }
+
+  [[nodiscard]] virtual int arity(int edge) const = 0;
+  [[nodiscard]] virtual int residual_dim(int edge) const = 0;
+  /// Pool and slot/generation of the i-th vertex of an edge.
+  [[nodiscard]] virtual VertexPoolBase* vertex_pool(int edge, int i) const = 0;
+  [[nodiscard]] virtual internal::SlotMap::Address vertex_address(int edge, int i) const = 0;
+  [[nodiscard]] AnyVertex VertexOf(int edge, int i) const {
+    const auto address = vertex_address(edge, i);
+    return {vertex_pool(edge, i)->ops().type, address.slot, address.generation};
+  }
+  /// Not removed, and none of its vertices removed.
+  [[nodiscard]] bool Alive(int edge) const {
+    if (!slots_.AliveAt(edge)) return false;
+    const int n = arity(edge);
+    for (int i = 0; i < n; ++i) {
+      const auto address = vertex_address(edge, i);
+      if (!vertex_pool(edge, i)->slots().Contains(address.slot, address.generation)) return false;
+    }
+    return true;
+  }
+  void Remove(std::uint32_t slot) { slots_.Remove(slot); }
+
+  /// Raw residual (unweighted) and Jacobians (row-major, in the full tangent; null pointers or a
+  /// null array skip them) at the given states. False where the edge has no finite value.
+  virtual bool Evaluate(int edge, const double* const* states, double* residual,
+                        double* const* jacobians) const = 0;
+  /// residual <- L residual, jacobians <- L jacobians.
+  virtual void Whiten(int edge, double* residual, double* const* jacobians) const = 0;
+  /// s = r' Omega r at the present states; NaN where the edge has no finite value.
+  [[nodiscard]] virtual double Chi2(int edge) const = 0;
+  /// Depth of the observed point in the observing camera [m]; false if the type has none.
+  virtual bool Depth(int edge, double* depth) const = 0;
+  /// Two edges on the same vertices that are one observation counted twice.
+  [[nodiscard]] virtual bool IsDuplicate(int edge, int other) const = 0;
+  [[nodiscard]] virtual bool IsObservation() const = 0;
+
+  /// Adds H, b and cost of count edges, whose plan records (edge_plan.h) start at words. Returns
+  /// false at the first edge without a finite value, named in sink->failed_edge.
+  virtual bool Linearize(const std::int32_t* words, int count, NormalEquationsSink* sink) const = 0;
+  /// The same, cost only.
+  virtual bool Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const = 0;
+  /// Bytes of scratch and the like that Linearize needs are sized here, once per analysis.
+  virtual void Prepare() {}
+
+  virtual void Compact() = 0;
+  /// A copy whose edges refer to the given vertex pools (same types, same slots).
+  [[nodiscard]] virtual std::unique_ptr<EdgePoolBase> Clone(
+      const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools) const = 0;
+
+ protected:
+  std::uint32_t FindOrAddLoss(const Loss& loss) {
+    // Graphs have a handful of distinct losses; the last one added is the likeliest.
+    for (std::size_t k = losses_.size(); k-- > 0;) {
+      if (losses_[k] == loss) return static_cast<std::uint32_t>(k);
+    }
+    losses_.push_back(loss);
+    return static_cast<std::uint32_t>(losses_.size() - 1);
+  }
+
+  const TypeInfo* type_;
+  internal::SlotMap slots_;
+  std::vector<Loss> losses_;
+  std::vector<std::uint32_t> loss_of_edge_;
+};
+
+}  // namespace glissade

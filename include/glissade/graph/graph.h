@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "glissade/base/status.h"
+#include "glissade/graph/dynamic_edge_pool.h"
+#include "glissade/graph/edge_options.h"
+#include "glissade/graph/edge_pool.h"
+#include "glissade/graph/fix.h"
+#include "glissade/graph/snapshot.h"
+#include "glissade/graph/vertex_pool.h"
+
+namespace glissade {
+
+/// Observations that do not fit: what GetOutlierEdges() looks for.
+struct OutlierOptions {
+  /// An edge is an outlier where r' Omega r exceeds this. Default: 99 % of chi2 with 2 DoF.
+  double max_chi2 = 9.21;
+  /// ... or where it observes a point at less than this depth [m] (behind the camera: < 0).
+  double min_depth = 0.0;
+};
+
+/// The factor graph: vertices and edges by type in contiguous pools, weights, losses, and what is
+/// held fixed. It knows nothing of linear algebra; Problem adds solving.
+///
+/// Every call that changes something validates first and changes nothing on failure. Handles of
+/// removed things are refused. Vertices and edges keep their insertion order. Not thread-safe for
+/// writers; instances are independent of each other.
+class Graph {
+ public:
+  Graph() = default;
+  Graph(Graph&&) noexcept = default;
+  Graph& operator=(Graph&&) noexcept = default;
+  Graph(const Graph&) = delete;
+  Graph& operator=(const Graph&) = delete;
+
+  // --- Building -----------------------------------------------------------------------------
+  template <VertexType V>
+  Result<VertexHandle<V>> AddVertex(const V& value);
+  /// All or nothing.
+  template <VertexType V>
+  Result<std::vector<VertexHandle<V>>> AddVertices(std::span<const V> values);
+
+  /// Refuses: dead handles, one vertex twice, two eliminated vertices, a measurement that its type
+  /// declares invalid, information that is not finite or not positive semi-definite.
+  template <EdgeType E>
+  Result<EdgeHandle<E>> AddEdge(const E& edge, const EdgeVertexHandles<E>& vertices,
+                                const EdgeOptions<E>& options = {});
+  /// All or nothing; the options hold for each.
+  template <EdgeType E>
+  Result<std::vector<EdgeHandle<E>>> AddEdges(std::span<const E> edges,
+                                              std::span<const EdgeVertexHandles<E>> vertices,
+                                              const EdgeOptions<E>& options = {});
+  /// A dynamic edge; a robust loss is refused for one with a constant Hessian.
+  Result<EdgeHandle<DynamicEdge>> AddEdge(std::unique_ptr<DynamicEdge> edge,
+                                          std::span<const AnyVertex> vertices, Loss loss = {});
+
+  /// Removes a vertex and the edges connected to it.
+  Status RemoveVertex(AnyVertex vertex);
+  Status RemoveEdge(AnyEdge edge);
+
+  // --- Values -------------------------------------------------------------------------------
+  [[nodiscard]] bool Contains(AnyVertex vertex) const;
+  [[nodiscard]] bool Contains(AnyEdge edge) const;
+  /// Null for a dead handle. Valid until the graph is changed.
+  template <VertexType V>
+  [[nodiscard]] const V* Find(VertexHandle<V> vertex) const;
+  template <EdgeType E>
+  [[nodiscard]] const E* Find(EdgeHandle<E> edge) const;
+  /// The value; a default-constructed one for a dead handle (use Find where that can happen).
+  template <VertexType V>
+  [[nodiscard]] const V& Get(VertexHandle<V> vertex) const;
+  template <VertexType V>
+  [[nodiscard]] const V& Get(const Result<VertexHandle<V>>& vertex) const {
+    return Get(vertex.value());
+  }
+  /// Replaces the value. For a pose whose yaw is held, the chart is anchored anew at it.
+  template <VertexType V>
+  Status Set(VertexHandle<V> vertex, const V& value);
+  template <VertexType V>
+  Status Set(const Result<VertexHandle<V>>& vertex, const V& value) {
+    return Set(vertex.value(), value);
+  }
+
+  // --- What is held, what is eliminated -----------------------------------------------------
+  /// Holds a vertex, or part of a pose, at its present value; Fix::kFree lets it go.
+  Status SetFixed(AnyVertex vertex, Fix fix = Fix::kWhole);
+  [[nodiscard]] Fix GetFixed(AnyVertex vertex) const;
+  /// Whether a vertex is eliminated by the Schur complement; default: what its type says. Only
+  /// vertices with a tangent of at most 4 dimensions can be.
+  Status SetEliminated(AnyVertex vertex, bool eliminated);
+
+  // --- Weights ------------------------------------------------------------------------------
+  template <EdgeType E>
+  Status SetInformation(EdgeHandle<E> edge, const SquareMatrix<E::kResidualDim>& information);
+  template <EdgeType E>
+  Status SetSqrtInformation(EdgeHandle<E> edge, const SquareMatrix<E::kResidualDim>& sqrt);
+  Status SetLoss(AnyEdge edge, const Loss& loss);
+
+  // --- Queries ------------------------------------------------------------------------------
+  [[nodiscard]] int NumVertices() const;
+  [[nodiscard]] int NumEdges() const;
+  template <VertexType V>
+  [[nodiscard]] int NumVertices() const;
+  template <EdgeType E>
+  [[nodiscard]] int NumEdges() const;
+  /// In insertion order within a type, types in order of first use.
+  [[nodiscard]] std::vector<AnyVertex> Vertices() const;
+  [[nodiscard]] std::vector<AnyEdge> Edges() const;
+  [[nodiscard]] std::vector<AnyVertex> VerticesOf(AnyEdge edge) const;
+  [[nodiscard]] std::vector<AnyEdge> EdgesOf(AnyVertex vertex) const;
+  /// f(VertexHandle<V>, const V&) for all, in insertion order; likewise edges.
+  template <VertexType V, class F>
+  void ForEachVertex(F&& f) const;
+  template <EdgeType E, class F>
+  void ForEachEdge(F&& f) const;
+
+  /// s = r' Omega r of one edge (no 1/2, no loss).
+  [[nodiscard]] Result<double> Chi2(AnyEdge edge) const;
+  /// Sum of Chi2 over all edges; NaN-free: an edge without a value makes it a status.
+  [[nodiscard]] Result<double> Chi2() const;
+  /// 1/2 sum rho(Chi2): what Solve minimizes.
+  [[nodiscard]] Result<double> Cost() const;
+  /// Depth of the observed point in the observing camera [m], for edges that have one.
+  [[nodiscard]] Result<double> DepthOf(AnyEdge edge) const;
+  /// Observations over the limit, behind the camera, or without a value, in insertion order.
+  [[nodiscard]] std::vector<AnyEdge> GetOutlierEdges(const OutlierOptions& options = {}) const;
+
+  // --- Copies -------------------------------------------------------------------------------
+  /// A deep copy; handles of this graph are valid in the copy.
+  [[nodiscard]] Graph Clone() const;
+  /// All vertex values (and gauge charts), to come back to.
+  [[nodiscard]] Snapshot GetSnapshot() const;
+  /// Back to a snapshot of this graph; refused if vertices were added or removed since.
+  Status RestoreSnapshot(const Snapshot& snapshot);
+
+  // --- For the rooms below ------------------------------------------------------------------
+  using VertexPools = std::vector<std::unique_ptr<VertexPoolBase>>;
+  using EdgePools = std::vector<std::unique_ptr<EdgePoolBase>>;
+  [[nodiscard]] const VertexPools& vertex_pools() const { return vertex_pools_; }
+  [[nodiscard]] const EdgePools& edge_pools() const { return edge_pools_; }
+  [[nodiscard]] const std::vector<FreeTangent>& free_tangents() const { return free_tangents_; }
+  [[nodiscard]] std::vector<FreeTangent>& free_tangents() { return free_tangents_; }
+  /// Changes with every change of structure: vertices, edges, what is fixed or eliminated.
+  [[nodiscard]] std::uint64_t structure_version() const { return structure_version_; }
+  /// Closes the gaps that removals left; dense indices change, handles and order do not.
+  void Compact();
+  /// Keeps all states / goes back to them, without allocating once sized.
+  void SaveStates();
+  void RestoreStates();
+  [[nodiscard]] VertexPoolBase* PoolOf(const TypeInfo* type) const;
+  [[nodiscard]] EdgePoolBase* EdgePoolOf(const TypeInfo* type) const;
+  template <VertexType V>
+  VertexPool<V>* Pool() const {
+    return static_cast<VertexPool<V>*>(PoolOf(&kTypeInfo<V>));
+  }
+  template <EdgeType E>
+  EdgePool<E>* Pool() const {
+    return static_cast<EdgePool<E>*>(EdgePoolOf(&kTypeInfo<E>));
+  }
+
+ private:
+  struct VertexSite {
+    VertexPoolBase* pool = nullptr;
+    int index = -1;
+  };
+  struct EdgeSite {
+    EdgePoolBase* pool = nullptr;
+    int index = -1;
+  };
+  [[nodiscard]] VertexSite Locate(AnyVertex vertex) const;
+  [[nodiscard]] EdgeSite Locate(AnyEdge edge) const;
+  [[nodiscard]] Status CheckEdgeVertices(std::span<const AnyVertex> vertices,
+                                         std::string_view edge_name) const;
+  void StructureChanged() { ++structure_version_; }
+  void DropFreeTangent(AnyVertex vertex);
+  void Reanchor(AnyVertex vertex);
+  template <VertexType V>
+  Status CheckVertex(const V& value) const;
+  template <EdgeType E>
+  Status CheckEdge(const E& edge, const EdgeVertexHandles<E>& vertices) const;
+  template <VertexType V>
+  VertexPool<V>& MakePool();
+  template <EdgeType E>
+  EdgePool<E>& MakeEdgePool();
+
+  VertexPools vertex_pools_;
+  EdgePools edge_pools_;
+  std::vector<FreeTangent> free_tangents_;
+  std::uint64_t structure_version_ = 1;
+};
+
+}  // namespace glissade
+
+#include "glissade/graph/graph_impl.h"

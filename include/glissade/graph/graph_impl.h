@@ -1,0 +1,222 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Templates of Graph. Included by graph.h only.
+
+#include <array>
+#include <string>
+
+#include "glissade/graph/graph.h"
+
+namespace glissade {
+
+namespace internal {
+
+/// Runs the optional Validate() of a vertex, edge or loss.
+template <class T>
+Status ValidateIfPossible(const T& value) {
+  if constexpr (requires {
+                  { value.Validate() } -> std::same_as<Status>;
+                }) {
+    return value.Validate();
+  } else {
+    return {};
+  }
+}
+
+/// Prefixes a status with what it is about; ok stays ok.
+Status About(const Status& status, std::string_view subject);
+bool AllFinite(const double* data, int size);
+
+}  // namespace internal
+
+template <VertexType V>
+VertexPool<V>& Graph::MakePool() {
+  if (VertexPool<V>* pool = Pool<V>()) return *pool;
+  vertex_pools_.push_back(std::make_unique<VertexPool<V>>());
+  return static_cast<VertexPool<V>&>(*vertex_pools_.back());
+}
+
+template <EdgeType E>
+EdgePool<E>& Graph::MakeEdgePool() {
+  if (EdgePool<E>* pool = Pool<E>()) return *pool;
+  typename EdgePool<E>::Pools pools;
+  ForEachIndex<EdgePool<E>::kArity>(
+      [&](auto i) { std::get<i>(pools) = &MakePool<EdgeVertex<E, i>>(); });
+  edge_pools_.push_back(std::make_unique<EdgePool<E>>(pools));
+  return static_cast<EdgePool<E>&>(*edge_pools_.back());
+}
+
+template <VertexType V>
+Status Graph::CheckVertex(const V& value) const {
+  if (!internal::AllFinite(value.Data(), V::kAmbientDim)) {
+    return {StatusCode::kNotFinite, std::string(kTypeInfo<V>.name) + ": state is not finite"};
+  }
+  return internal::About(internal::ValidateIfPossible(value), kTypeInfo<V>.name);
+}
+
+template <VertexType V>
+Result<VertexHandle<V>> Graph::AddVertex(const V& value) {
+  if (Status status = CheckVertex(value); !status.ok()) return status;
+  StructureChanged();
+  return MakePool<V>().Add(value);
+}
+
+template <VertexType V>
+Result<std::vector<VertexHandle<V>>> Graph::AddVertices(std::span<const V> values) {
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (Status status = CheckVertex(values[k]); !status.ok()) {
+      return internal::About(status, "value " + std::to_string(k));
+    }
+  }
+  std::vector<VertexHandle<V>> handles;
+  handles.reserve(values.size());
+  VertexPool<V>& pool = MakePool<V>();
+  for (const V& value : values) handles.push_back(pool.Add(value));
+  StructureChanged();
+  return handles;
+}
+
+template <EdgeType E>
+Status Graph::CheckEdge(const E& edge, const EdgeVertexHandles<E>& vertices) const {
+  constexpr std::size_t kArity = E::Vertices::kSize;
+  const auto handles = [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::array<AnyVertex, kArity>{AnyVertex(std::get<I>(vertices))...};
+  }(std::make_index_sequence<kArity>{});
+  if (Status status = CheckEdgeVertices(handles, kTypeInfo<E>.name); !status.ok()) return status;
+  return internal::About(internal::ValidateIfPossible(edge), kTypeInfo<E>.name);
+}
+
+template <EdgeType E>
+Result<EdgeHandle<E>> Graph::AddEdge(const E& edge, const EdgeVertexHandles<E>& vertices,
+                                     const EdgeOptions<E>& options) {
+  if (Status status = CheckEdge(edge, vertices); !status.ok()) return status;
+  SquareMatrix<E::kResidualDim> sqrt;
+  bool identity = true;
+  Status status = internal::MakeSqrtInformation<E::kResidualDim>(
+      options.sqrt_information, options.information, &sqrt, &identity);
+  if (status.ok()) status = options.loss.Validate();
+  if (!status.ok()) return internal::About(status, kTypeInfo<E>.name);
+  StructureChanged();
+  return MakeEdgePool<E>().Add(edge, vertices, sqrt, identity, options.loss);
+}
+
+template <EdgeType E>
+Result<std::vector<EdgeHandle<E>>> Graph::AddEdges(std::span<const E> edges,
+                                                   std::span<const EdgeVertexHandles<E>> vertices,
+                                                   const EdgeOptions<E>& options) {
+  if (edges.size() != vertices.size()) {
+    return Status(StatusCode::kInvalidArgument, "as many vertex tuples as edges are needed");
+  }
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    if (Status status = CheckEdge(edges[k], vertices[k]); !status.ok()) {
+      return internal::About(status, "edge " + std::to_string(k));
+    }
+  }
+  std::vector<EdgeHandle<E>> handles;
+  handles.reserve(edges.size());
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    auto handle = AddEdge(edges[k], vertices[k], options);
+    if (!handle.ok()) return handle.status();  // the options; nothing was added before the first
+    handles.push_back(handle.value());
+  }
+  return handles;
+}
+
+template <VertexType V>
+const V* Graph::Find(VertexHandle<V> vertex) const {
+  const VertexPool<V>* pool = Pool<V>();
+  if (pool == nullptr || !pool->slots().Contains(vertex.slot, vertex.generation)) return nullptr;
+  return &pool->At(pool->slots().IndexOf(vertex.slot));
+}
+
+template <EdgeType E>
+const E* Graph::Find(EdgeHandle<E> edge) const {
+  if (!Contains(AnyEdge(edge))) return nullptr;
+  const EdgePool<E>* pool = Pool<E>();
+  return &pool->At(pool->slots().IndexOf(edge.slot));
+}
+
+template <VertexType V>
+const V& Graph::Get(VertexHandle<V> vertex) const {
+  static const V kDead{};
+  const V* value = Find(vertex);
+  return value != nullptr ? *value : kDead;
+}
+
+template <VertexType V>
+Status Graph::Set(VertexHandle<V> vertex, const V& value) {
+  VertexPool<V>* pool = Pool<V>();
+  if (pool == nullptr || !pool->slots().Contains(vertex.slot, vertex.generation)) {
+    return {StatusCode::kUnknownHandle, "Set: " + ToString(vertex) + " is not in this graph",
+            AnyVertex(vertex)};
+  }
+  if (Status status = CheckVertex(value); !status.ok()) {
+    return {status.code(), status.message(), AnyVertex(vertex)};
+  }
+  pool->At(pool->slots().IndexOf(vertex.slot)) = value;
+  Reanchor(vertex);
+  return {};
+}
+
+template <EdgeType E>
+Status Graph::SetSqrtInformation(EdgeHandle<E> edge, const SquareMatrix<E::kResidualDim>& sqrt) {
+  if (!Contains(AnyEdge(edge))) {
+    return {StatusCode::kUnknownHandle, ToString(edge) + " is not in this graph", AnyEdge(edge)};
+  }
+  SquareMatrix<E::kResidualDim> checked;
+  bool identity = true;
+  const Status status = internal::MakeSqrtInformation<E::kResidualDim>(
+      std::optional(sqrt), std::nullopt, &checked, &identity);
+  if (!status.ok()) return {status.code(), status.message(), AnyEdge(edge)};
+  EdgePool<E>* pool = Pool<E>();
+  pool->set_sqrt_information(pool->slots().IndexOf(edge.slot), checked, identity);
+  return {};
+}
+
+template <EdgeType E>
+Status Graph::SetInformation(EdgeHandle<E> edge,
+                             const SquareMatrix<E::kResidualDim>& information) {
+  SquareMatrix<E::kResidualDim> sqrt;
+  bool identity = true;
+  const Status status = internal::MakeSqrtInformation<E::kResidualDim>(
+      std::nullopt, std::optional(information), &sqrt, &identity);
+  if (!status.ok()) return {status.code(), status.message(), AnyEdge(edge)};
+  return SetSqrtInformation(edge, sqrt);
+}
+
+template <VertexType V>
+int Graph::NumVertices() const {
+  const VertexPool<V>* pool = Pool<V>();
+  return pool == nullptr ? 0 : pool->slots().NumAlive();
+}
+
+template <EdgeType E>
+int Graph::NumEdges() const {
+  int count = 0;
+  ForEachEdge<E>([&](EdgeHandle<E>, const E&) { ++count; });
+  return count;
+}
+
+template <VertexType V, class F>
+void Graph::ForEachVertex(F&& f) const {
+  const VertexPool<V>* pool = Pool<V>();
+  for (int k = 0; pool != nullptr && k < pool->size(); ++k) {
+    if (!pool->slots().AliveAt(k)) continue;
+    const std::uint32_t slot = pool->slots().SlotOf(k);
+    f(VertexHandle<V>{slot, pool->slots().GenerationOf(slot)}, pool->At(k));
+  }
+}
+
+template <EdgeType E, class F>
+void Graph::ForEachEdge(F&& f) const {
+  const EdgePool<E>* pool = Pool<E>();
+  for (int k = 0; pool != nullptr && k < pool->size(); ++k) {
+    if (!pool->Alive(k)) continue;
+    const std::uint32_t slot = pool->slots().SlotOf(k);
+    f(EdgeHandle<E>{slot, pool->slots().GenerationOf(slot)}, pool->At(k));
+  }
+}
+
+}  // namespace glissade

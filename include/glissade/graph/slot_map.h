@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "glissade/base/handle.h"
+
+namespace glissade::internal {
+
+/// Maps stable slots (what handles hold) to dense indices (where values lie).
+///
+/// Values are appended and never reordered; removal only marks, and Compact() closes the gaps
+/// stably. So the dense order is always the insertion order of what is alive, and results do not
+/// depend on what was removed before.
+class SlotMap {
+ public:
+  struct Address {
+    std::uint32_t slot;
+    std::uint32_t generation;
+  };
+
+  Address Add() {
+    std::uint32_t slot;
+    if (free_slots_.empty()) {
+      slot = static_cast<std::uint32_t>(index_of_slot_.size());
+      index_of_slot_.push_back(0);
+      generation_of_slot_.push_back(0);
+      // Room for every slot to be freed: Remove() must not allocate.
+      free_slots_.reserve(index_of_slot_.capacity());
+    } else {
+      slot = free_slots_.back();
+      free_slots_.pop_back();
+    }
+    index_of_slot_[slot] = static_cast<std::uint32_t>(slot_of_index_.size());
+    slot_of_index_.push_back(slot);
+    alive_.push_back(1);
+    ++num_alive_;
+    return {slot, generation_of_slot_[slot]};
+  }
+
+  void Remove(std::uint32_t slot) {
+    alive_[index_of_slot_[slot]] = 0;
+    ++generation_of_slot_[slot];
+    free_slots_.push_back(slot);
+    --num_alive_;
+  }
+
+  [[nodiscard]] bool Contains(std::uint32_t slot, std::uint32_t generation) const {
+    if (slot >= index_of_slot_.size() || generation_of_slot_[slot] != generation) return false;
+    const std::uint32_t index = index_of_slot_[slot];
+    return index < slot_of_index_.size() && slot_of_index_[index] == slot && alive_[index] != 0;
+  }
+
+  [[nodiscard]] int IndexOf(std::uint32_t slot) const {
+    return static_cast<int>(index_of_slot_[slot]);
+  }
+  [[nodiscard]] std::uint32_t SlotOf(int index) const {
+    return slot_of_index_[static_cast<std::size_t>(index)];
+  }
+  [[nodiscard]] std::uint32_t GenerationOf(std::uint32_t slot) const {
+    return generation_of_slot_[slot];
+  }
+  [[nodiscard]] bool AliveAt(int index) const {
+    return alive_[static_cast<std::size_t>(index)] != 0;
+  }
+  /// Number of dense entries, dead ones included until Compact().
+  [[nodiscard]] int Size() const { return static_cast<int>(slot_of_index_.size()); }
+  [[nodiscard]] int NumAlive() const { return num_alive_; }
+
+  /// Closes gaps; calls move(from, to) with to < from for every value that moves, in order.
+  template <class Move>
+  void Compact(Move&& move) {
+    if (num_alive_ == Size()) return;
+    std::size_t to = 0;
+    for (std::size_t from = 0; from < slot_of_index_.size(); ++from) {
+      if (alive_[from] == 0) continue;
+      if (to != from) {
+        move(static_cast<int>(from), static_cast<int>(to));
+        slot_of_index_[to] = slot_of_index_[from];
+        index_of_slot_[slot_of_index_[to]] = static_cast<std::uint32_t>(to);
+        alive_[to] = 1;
+      }
+      ++to;
+    }
+    slot_of_index_.resize(to);
+    alive_.resize(to);
+  }
+
+ private:
+  std::vector<std::uint32_t> index_of_slot_;
+  std::vector<std::uint32_t> generation_of_slot_;
+  std::vector<std::uint32_t> slot_of_index_;
+  std::vector<std::uint8_t> alive_;
+  std::vector<std::uint32_t> free_slots_;
+  int num_alive_ = 0;
+};
+
+}  // namespace glissade::internal

@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "glissade/graph/fix.h"
+#include "glissade/graph/slot_map.h"
+#include "glissade/vertices/concept.h"
+
+namespace glissade {
+
+/// All vertices of one type, contiguous. This base gives access to states as raw doubles; values as
+/// themselves are in VertexPool<V>.
+class VertexPoolBase {
+ public:
+  explicit VertexPoolBase(const VertexOps& ops) : ops_(&ops) {}
+  virtual ~VertexPoolBase() = default;
+
+  [[nodiscard]] const VertexOps& ops() const { return *ops_; }
+  [[nodiscard]] const internal::SlotMap& slots() const { return slots_; }
+  [[nodiscard]] int size() const { return slots_.Size(); }
+
+  [[nodiscard]] const double* Data(int index) const {
+    return reinterpret_cast<const double*>(base_ + static_cast<std::size_t>(index) * stride_);
+  }
+  [[nodiscard]] double* Data(int index) {
+    return reinterpret_cast<double*>(base_ + static_cast<std::size_t>(index) * stride_);
+  }
+  [[nodiscard]] AnyVertex HandleAt(int index) const {
+    const std::uint32_t slot = slots_.SlotOf(index);
+    return {ops_->type, slot, slots_.GenerationOf(slot)};
+  }
+
+  [[nodiscard]] Fix fix(int index) const { return fix_[static_cast<std::size_t>(index)]; }
+  void set_fix(int index, Fix fix) { fix_[static_cast<std::size_t>(index)] = fix; }
+  [[nodiscard]] bool eliminated(int index) const {
+    return eliminated_[static_cast<std::size_t>(index)] != 0;
+  }
+  void set_eliminated(int index, bool on) {
+    eliminated_[static_cast<std::size_t>(index)] = on ? 1 : 0;
+  }
+
+  void Remove(std::uint32_t slot) { slots_.Remove(slot); }
+
+  /// x(index) <- x(index) boxplus delta for count vertices; delta of the k-th is step + offset[k],
+  /// vertices with offset[k] < 0 stay.
+  virtual void Plus(const double* step, const std::int32_t* offset, int count) = 0;
+  /// Keeps a copy of all states / goes back to it.
+  virtual void Save() = 0;
+  virtual void Restore() = 0;
+  virtual void Compact() = 0;
+  [[nodiscard]] virtual std::unique_ptr<VertexPoolBase> Clone() const = 0;
+
+ protected:
+  const VertexOps* ops_;
+  internal::SlotMap slots_;
+  std::vector<Fix> fix_;
+  std::vector<std::uint8_t> eliminated_;
+  std::byte* base_ = nullptr;
+  std::size_t stride_ = 0;
+};
+
+template <VertexType V>
+class VertexPool final : public VertexPoolBase {
+ public:
+  VertexPool() : VertexPoolBase(kVertexOps<V>) { stride_ = sizeof(V); }
+  VertexPool(const VertexPool& other) : VertexPoolBase(other), values_(other.values_) { Rebase(); }
+
+  VertexHandle<V> Add(const V& value) {
+    const auto address = slots_.Add();
+    values_.push_back(value);
+    fix_.push_back(Fix::kFree);
+    eliminated_.push_back(kIsEliminated<V> ? 1 : 0);
+    Rebase();
+    return {address.slot, address.generation};
+  }
+
+  [[nodiscard]] const V& At(int index) const { return values_[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] V& At(int index) { return values_[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] const V* values() const { return values_.data(); }
+
+  void Plus(const double* step, const std::int32_t* offset, int count) override {
+    for (int k = 0; k < count; ++k) {
+      if (offset[k] >= 0) values_[static_cast<std::size_t>(k)].Plus(step + offset[k]);
+    }
+  }
+  void Save() override { saved_ = values_; }
+  void Restore() override { values_ = saved_; }
+
+  void Compact() override {
+    slots_.Compact([this](int from, int to) {
+      const auto f = static_cast<std::size_t>(from), t = static_cast<std::size_t>(to);
+      values_[t] = values_[f];
+      fix_[t] = fix_[f];
+      eliminated_[t] = eliminated_[f];
+    });
+    const auto n = static_cast<std::size_t>(slots_.Size());
+    values_.resize(n);
+    fix_.resize(n);
+    eliminated_.resize(n);
+    Rebase();
+  }
+
+  [[nodiscard]] std::unique_ptr<VertexPoolBase> Clone() const override {
+    return std::make_unique<VertexPool>(*this);
+  }
+
+ private:
+  void Rebase() {
+    base_ = values_.empty() ? nullptr : reinterpret_cast<std::byte*>(values_.front().Data());
+  }
+
+  std::vector<V> values_;
+  std::vector<V> saved_;
+};
+
+}  // namespace glissade

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <limits>
+
+#include "glissade/base/status.h"
+#include "glissade/linear/linear_solver.h"
+#include "glissade/minimizer/summary.h"
+
+namespace glissade {
+
+/// What lambda multiplies in (H + lambda D) dx = b.
+enum class Damping {
+  kDiagonal,   ///< D = diag(H), clamped; all variables, landmarks included (Marquardt)
+  kIdentity,   ///< D = I; all variables (Levenberg)
+  kPoseBlock,  ///< lambda I added to the reduced system after elimination, landmarks undamped: the
+               ///< variant of the course this library grew from; for comparison only
+};
+
+enum class LinearSolverType { kDenseCholesky, kPcg };
+
+/// Returned by an iteration callback.
+enum class CallbackAction { kContinue, kStop };
+
+struct SolveOptions {
+  // --- When to stop. A tolerance of 0 switches its rule off. ---------------------------------
+  int max_iterations = 50;  ///< linear solves, rejected steps included
+  double max_time_s = std::numeric_limits<double>::infinity();  ///< checked inside an iteration
+  double cost_tolerance = 1e-9;       ///< |cost decrease| <= tolerance * cost
+  double gradient_tolerance = 1e-12;  ///< max |g_i| <= tolerance * max |g_i| at the start
+  double step_tolerance = 1e-10;      ///< |dx| <= tolerance * (|x| + tolerance)
+  /// The course's absolute rules instead of the above: stop before an update with
+  /// |dx|^2 <= 1e-6, or at sqrt(chi) <= 1e-6 chi_0. For comparison only.
+  bool course_stop = false;
+
+  // --- Levenberg-Marquardt (Nielsen's update; Madsen, Nielsen, Tingleff 2004, Alg. 3.16) -------
+  Damping damping = Damping::kDiagonal;
+  /// lambda_0; for kIdentity and kPoseBlock it is multiplied by max diag(H).
+  double initial_lambda = 1e-4;
+  double min_lambda = 1e-15;
+  double max_lambda = 1e32;
+  double min_diagonal = 1e-6;  ///< clamp of diag(H) in kDiagonal
+  double max_diagonal = 1e32;
+
+  // --- Linear algebra -------------------------------------------------------------------------
+  LinearSolverType linear_solver_type = LinearSolverType::kDenseCholesky;
+  PcgOptions pcg;
+  /// Your own solver of the reduced system, used instead of linear_solver_type where not null. Not
+  /// owned; must outlive the solve.
+  LinearSolver* linear_solver = nullptr;
+  int num_threads = 1;  ///< does not change a bit of the result
+
+  // --- What else ------------------------------------------------------------------------------
+  /// Solve refuses a graph that holds one observation twice (kDuplicate) unless this is set.
+  bool allow_duplicate_observations = false;
+  bool verbose = false;  ///< print a table line per iteration to stderr
+  /// Called after every iteration.
+  std::function<CallbackAction(const IterationSummary&)> callback;
+
+  /// Refuses values that make no sense, naming the option.
+  [[nodiscard]] Status Validate() const;
+};
+
+}  // namespace glissade

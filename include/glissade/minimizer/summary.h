@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "glissade/base/status.h"
+
+namespace glissade {
+
+/// Why a solve ended.
+enum class Termination {
+  kConvergedCost,      ///< relative cost decrease under tolerance
+  kConvergedGradient,  ///< gradient under tolerance
+  kConvergedStep,      ///< step under tolerance
+  kMaxIterations,
+  kMaxTime,
+  kCancelled,          ///< the callback said so
+  kNoProgress,         ///< lambda at its limit: no step decreases the cost
+  kFailed,             ///< see SolveSummary::status
+};
+
+std::string_view ToString(Termination termination);
+
+/// One line of the iteration table: iteration 0 is the start, later ones are linear solves.
+struct IterationSummary {
+  int iteration = 0;
+  bool accepted = true;
+  double cost = 0.0;           ///< after this iteration, 1/2 sum rho [-]
+  double cost_change = 0.0;    ///< decrease that was tried; negative where rejected
+  double gradient_max = 0.0;   ///< max |g_i| at the present linearization
+  double step_norm = 0.0;      ///< |dx| over all variables
+  double gain_ratio = 0.0;     ///< actual over predicted decrease
+  double lambda = 0.0;         ///< damping to be used next
+  int linear_iterations = 0;   ///< of PCG
+  double time_s = 0.0;         ///< of this iteration
+  double total_time_s = 0.0;   ///< since the start of the solve
+};
+
+/// Seconds, summed over the solve.
+struct TimeSplit {
+  double analyze_s = 0.0;    ///< structure, only when the graph changed
+  double linearize_s = 0.0;  ///< residuals, Jacobians, H and b
+  double eliminate_s = 0.0;  ///< landmarks: Schur complement and back-substitution
+  double solve_s = 0.0;      ///< reduced system
+  double cost_s = 0.0;       ///< updates and trial costs
+  double total_s = 0.0;
+};
+
+struct SolveSummary {
+  Termination termination = Termination::kFailed;
+  /// ok unless termination is kFailed; then what and who (vertex(), edge()).
+  Status status;
+  double initial_cost = 0.0;
+  double final_cost = 0.0;
+  int accepted_steps = 0;
+  int rejected_steps = 0;
+  int num_poses = 0;      ///< free vertices in the reduced system
+  int num_landmarks = 0;  ///< free eliminated vertices
+  int num_edges = 0;
+  std::vector<IterationSummary> iterations;
+  TimeSplit time;
+
+  [[nodiscard]] bool ok() const { return termination != Termination::kFailed; }
+  [[nodiscard]] bool converged() const {
+    return termination == Termination::kConvergedCost ||
+           termination == Termination::kConvergedGradient ||
+           termination == Termination::kConvergedStep;
+  }
+  /// "converged (cost), 7 iterations, cost 2.67550 -> 4.92854e-05, 0.4 ms"
+  [[nodiscard]] std::string BriefReport() const;
+};
+
+/// The table that verbose mode prints: a header and one line per iteration.
+std::string IterationTableHeader();
+std::string ToString(const IterationSummary& iteration);
+
+}  // namespace glissade

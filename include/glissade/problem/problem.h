@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "glissade/graph/graph.h"
+#include "glissade/minimizer/options.h"
+#include "glissade/minimizer/summary.h"
+
+namespace glissade {
+
+class Workspace;
+
+/// A Graph with everything needed to solve it. Keep it alive between solves: structure, factors
+/// and storage are kept, so that a re-solve allocates nothing.
+class Problem : public Graph {
+ public:
+  Problem();
+  explicit Problem(Graph graph);
+  ~Problem();
+  Problem(Problem&&) noexcept;
+  Problem& operator=(Problem&&) noexcept;
+
+  /// Minimizes the cost from the present values and leaves the best state found. The summary is
+  /// kept by the Problem until the next solve; copy it to keep it longer.
+  const SolveSummary& Solve(const SolveOptions& options = {});
+
+  /// A deep copy of the graph; handles are valid in the copy.
+  [[nodiscard]] Problem Clone() const { return Problem(Graph::Clone()); }
+
+  // --- The course's step API: for teaching and tests --------------------------------------------
+  /// Linearizes at the present values: H = J'J, b = -J'r over all free variables.
+  Status MakeHessian();
+  /// Solves (H + lambda D) dx = b by eliminating landmarks; D as in options.
+  Status SolveLinearSystem(double lambda, const SolveOptions& options = {});
+  /// x <- x boxplus dx, remembering x.
+  Status UpdateStates();
+  /// Back to x before the last UpdateStates().
+  Status RollbackStates();
+  /// H of the last MakeHessian() as a dense symmetric matrix; free variables in the order of
+  /// FreeVertices(), partly fixed poses with their free coordinates only. Empty before.
+  [[nodiscard]] Eigen::MatrixXd Hessian() const;
+  /// b of the last MakeHessian() = minus the gradient; same order.
+  [[nodiscard]] Eigen::VectorXd Rhs() const;
+  /// dx of the last SolveLinearSystem(); same order.
+  [[nodiscard]] Eigen::VectorXd Step() const;
+  /// Order of Hessian(): kept vertices first, then eliminated ones, insertion order within types.
+  [[nodiscard]] std::vector<AnyVertex> FreeVertices() const;
+  /// First row of each of FreeVertices() in Hessian(), and the number of rows at the end.
+  [[nodiscard]] std::vector<int> FreeOffsets() const;
+
+ private:
+  int DenseSize() const;
+  void FillHessian(double* H) const;  // DenseSize^2
+  void FillRhs(double* b) const;
+  void FillStep(double* dx) const;
+
+  std::unique_ptr<Workspace> workspace_;
+};
+
+/// The three-variable chain of the course: H before variable 2 is moved last, after the move, and
+/// after it is marginalized (Schur complement): variables 1 and 3 are then linked.
+struct MarginalizeExample {
+  Eigen::Matrix<double, 3, 3, Eigen::DontAlign> before, moved;
+  Eigen::Matrix<double, 2, 2, Eigen::DontAlign> after;
+};
+MarginalizeExample TestMarginalize();
+
+}  // namespace glissade

@@ -1,0 +1,304 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/graph/dynamic_edge_pool.h"
+
+#include <Eigen/Core>
+#include <cmath>
+#include <limits>
+
+#include "glissade/graph/robust.h"
+
+namespace glissade {
+
+namespace {
+
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using MatrixMap = Eigen::Map<RowMajorMatrix>;
+using VectorMap = Eigen::Map<Eigen::VectorXd>;
+
+}  // namespace
+
+EdgeHandle<DynamicEdge> DynamicEdgePool::Add(std::unique_ptr<DynamicEdge> edge,
+                                             std::span<const Vertex> vertices, const Loss& loss) {
+  const auto address = slots_.Add();
+  items_.emplace_back();
+  Entry& item = items_.back();
+  item.edge = std::move(edge);
+  item.vertices.assign(vertices.begin(), vertices.end());
+  PrepareItem(&item);
+  loss_of_edge_.push_back(FindOrAddLoss(loss));
+  return {address.slot, address.generation};
+}
+
+void DynamicEdgePool::PrepareItem(Entry* item) const {
+  const auto rows = static_cast<std::size_t>(item->edge->ResidualDim());
+  std::size_t dim = 0;
+  for (const Vertex& vertex : item->vertices) {
+    dim += static_cast<std::size_t>(vertex.pool->ops().tangent_dim);
+  }
+  item->refs.resize(item->vertices.size());
+  item->gradient.resize(dim);
+  item->residual.resize(rows);
+  item->jacobian_of_vertex.resize(item->vertices.size());
+  if (item->edge->ConstantHessian() == nullptr) item->jacobian.resize(rows * dim);
+  FillRefs(*item);
+}
+
+void DynamicEdgePool::Prepare() {
+  for (Entry& item : items_) PrepareItem(&item);
+}
+
+void DynamicEdgePool::FillRefs(const Entry& item) const {
+  for (std::size_t i = 0; i < item.vertices.size(); ++i) {
+    VertexPoolBase* pool = item.vertices[i].pool;
+    item.refs[i] = {&pool->ops(), pool->Data(pool->slots().IndexOf(item.vertices[i].address.slot))};
+  }
+}
+
+void DynamicEdgePool::SetRefs(const Entry& item, const std::int32_t* words) const {
+  for (std::size_t i = 0; i < item.vertices.size(); ++i) {
+    item.refs[i].data = item.vertices[i].pool->Data(words[plan::State(static_cast<int>(i))]);
+  }
+}
+
+bool DynamicEdgePool::Evaluate(int edge, const double* const* states, double* residual,
+                               double* const* jacobians) const {
+  const Entry& item = EntryAt(edge);
+  std::vector<VertexRef> refs(item.vertices.size());
+  for (std::size_t i = 0; i < refs.size(); ++i) {
+    refs[i] = {&item.vertices[i].pool->ops(), states[i]};
+  }
+  if (!item.edge->Evaluate(refs, residual, jacobians)) return false;
+  double poison = 0.0;
+  const int rows = item.edge->ResidualDim();
+  for (int k = 0; k < rows; ++k) poison += 0.0 * residual[k];
+  for (std::size_t i = 0; jacobians != nullptr && i < refs.size(); ++i) {
+    if (jacobians[i] == nullptr) continue;
+    const int size = rows * refs[i].ops->tangent_dim;
+    for (int k = 0; k < size; ++k) poison += 0.0 * jacobians[i][k];
+  }
+  return poison == 0.0;
+}
+
+double DynamicEdgePool::Chi2(int edge) const {
+  const Entry& item = EntryAt(edge);
+  std::vector<VertexRef> refs(item.vertices.size());
+  for (std::size_t i = 0; i < refs.size(); ++i) {
+    VertexPoolBase* pool = item.vertices[i].pool;
+    refs[i] = {&pool->ops(), pool->Data(pool->slots().IndexOf(item.vertices[i].address.slot))};
+  }
+  double s = 0.0;
+  if (item.edge->ConstantHessian() != nullptr) {
+    if (!item.edge->LinearizeQuadratic(refs, nullptr, &s)) s = NAN;
+    return s;
+  }
+  std::vector<double> r(static_cast<std::size_t>(item.edge->ResidualDim()));
+  if (!item.edge->Evaluate(refs, r.data(), nullptr)) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  for (const double value : r) s += value * value;
+  return s;
+}
+
+void DynamicEdgePool::Add(const Entry& item, const std::int32_t* words, const double* H,
+                          int stride, const double* gradient, NormalEquationsSink* sink) {
+  const int arity = static_cast<int>(item.vertices.size());
+  const auto dim = [&](int i) {
+    return item.vertices[static_cast<std::size_t>(i)].pool->ops().tangent_dim;
+  };
+  double* const record = sink->landmarks + words[plan::kLandmarkRecord];
+  int row = 0;
+  for (int i = 0; i < arity; row += dim(i), ++i) {
+    const std::int32_t target = words[plan::Target(arity, i)];
+    if (target == plan::kNone) continue;
+    const bool is_landmark = target == plan::kLandmark;
+    double* b = is_landmark ? record + dim(i) * dim(i) : sink->b_p + target;
+    for (int k = 0; k < dim(i); ++k) b[k] -= gradient[row + k];
+    int col = 0;
+    for (int j = 0; j < arity; col += dim(j), ++j) {
+      // Destination of block (i, j): a landmark takes its row to W; other pairs once, j <= i.
+      double* out = nullptr;
+      bool transposed = false;
+      if (is_landmark) {
+        const std::int32_t w = words[plan::WBlock(arity, j)];
+        out = j == i ? record : (w == plan::kNone ? nullptr : sink->landmarks + w);
+        transposed = j != i;
+      } else if (j <= i) {
+        const std::int32_t offset = words[plan::HBlock(arity, plan::Pair(i, j))];
+        if (offset != plan::kNone) {
+          transposed = offset < 0;
+          out = sink->h_pp + (transposed ? plan::Transposed(offset) : offset);
+        }
+      }
+      if (out == nullptr) continue;
+      for (int r = 0; r < dim(i); ++r) {
+        for (int c = 0; c < dim(j); ++c) {
+          const double value = H[(row + r) * stride + col + c];
+          (transposed ? out[c * dim(i) + r] : out[r * dim(j) + c]) += value;
+        }
+      }
+    }
+  }
+}
+
+bool DynamicEdgePool::LinearizeConstant(const Entry& item, const std::int32_t* words,
+                                        NormalEquationsSink* sink) const {
+  double s = 0.0;
+  if (!item.edge->LinearizeQuadratic(item.refs, item.gradient.data(), &s)) return false;
+  double poison = 0.0 * s;
+  for (const double g : item.gradient) poison += 0.0 * g;
+  if (poison != 0.0) return false;
+  sink->cost += 0.5 * s;
+  Add(item, words, item.edge->ConstantHessian(), static_cast<int>(item.gradient.size()),
+      item.gradient.data(), sink);
+  return true;
+}
+
+bool DynamicEdgePool::LinearizeGeneral(const Entry& item, const Loss& loss,
+                                       const std::int32_t* words, NormalEquationsSink* sink) const {
+  const int arity = static_cast<int>(item.vertices.size());
+  const int rows = item.edge->ResidualDim();
+  // Jacobians of free vertices side by side: J_i at jacobian + rows * (columns before i).
+  int dim = 0;
+  for (int i = 0; i < arity; ++i) {
+    const bool free = words[plan::Target(arity, i)] != plan::kNone;
+    item.jacobian_of_vertex[static_cast<std::size_t>(i)] =
+        free ? item.jacobian.data() + rows * dim : nullptr;
+    dim += item.refs[static_cast<std::size_t>(i)].ops->tangent_dim;
+  }
+  if (!item.edge->Evaluate(item.refs, item.residual.data(), item.jacobian_of_vertex.data())) {
+    return false;
+  }
+  VectorMap r(item.residual.data(), rows);
+  const double s = r.squaredNorm();
+  const internal::RobustScale scale(loss, s);
+  double poison = 0.0 * s;
+  for (int i = 0; i < arity; ++i) {
+    double* data = item.jacobian_of_vertex[static_cast<std::size_t>(i)];
+    if (data == nullptr) continue;
+    MatrixMap J(data, rows, item.refs[static_cast<std::size_t>(i)].ops->tangent_dim);
+    poison += 0.0 * J.sum();
+    if (loss.trivial()) continue;
+    for (int c = 0; c < J.cols(); ++c) {
+      double projection = 0.0;
+      for (int k = 0; k < rows; ++k) projection += r[k] * J(k, c);
+      for (int k = 0; k < rows; ++k) {
+        J(k, c) = scale.jacobian_scale * (J(k, c) - scale.alpha_over_s * projection * r[k]);
+      }
+    }
+  }
+  if (poison != 0.0) return false;
+  r *= scale.residual_scale;
+  sink->cost += scale.cost;
+
+  double* const record = sink->landmarks + words[plan::kLandmarkRecord];
+  for (int i = 0; i < arity; ++i) {
+    const std::int32_t target = words[plan::Target(arity, i)];
+    if (target == plan::kNone) continue;
+    const int d_i = item.refs[static_cast<std::size_t>(i)].ops->tangent_dim;
+    const MatrixMap J_i(item.jacobian_of_vertex[static_cast<std::size_t>(i)], rows, d_i);
+    const bool is_landmark = target == plan::kLandmark;
+    VectorMap(is_landmark ? record + d_i * d_i : sink->b_p + target, d_i).noalias() -=
+        J_i.transpose().lazyProduct(r);
+    if (is_landmark) {
+      MatrixMap(record, d_i, d_i).noalias() += J_i.transpose().lazyProduct(J_i);
+    }
+    for (int j = 0; j < arity; ++j) {
+      if (words[plan::Target(arity, j)] == plan::kNone) continue;
+      const int d_j = item.refs[static_cast<std::size_t>(j)].ops->tangent_dim;
+      const MatrixMap J_j(item.jacobian_of_vertex[static_cast<std::size_t>(j)], rows, d_j);
+      if (is_landmark) {
+        const std::int32_t w = words[plan::WBlock(arity, j)];
+        if (j == i || w == plan::kNone) continue;
+        MatrixMap(sink->landmarks + w, d_j, d_i).noalias() += J_j.transpose().lazyProduct(J_i);
+      } else if (j <= i) {
+        const std::int32_t offset = words[plan::HBlock(arity, plan::Pair(i, j))];
+        if (offset >= 0) {
+          MatrixMap(sink->h_pp + offset, d_i, d_j).noalias() += J_i.transpose().lazyProduct(J_j);
+        } else if (offset != plan::kNone) {
+          MatrixMap(sink->h_pp + plan::Transposed(offset), d_j, d_i).noalias() +=
+              J_j.transpose().lazyProduct(J_i);
+        }
+      }
+    }
+  }
+  return true;
+}
+
+bool DynamicEdgePool::Linearize(const std::int32_t* words, int count,
+                                NormalEquationsSink* sink) const {
+  for (int k = 0; k < count; ++k) {
+    const int edge = words[plan::kEdge];
+    const Entry& item = EntryAt(edge);
+    SetRefs(item, words);
+    const bool ok = item.edge->ConstantHessian() != nullptr
+                        ? LinearizeConstant(item, words, sink)
+                        : LinearizeGeneral(item, loss(edge), words, sink);
+    if (!ok) {
+      sink->failed_edge = edge;
+      return false;
+    }
+    words += plan::NumWords(static_cast<int>(item.vertices.size()));
+  }
+  return true;
+}
+
+bool DynamicEdgePool::Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const {
+  for (int k = 0; k < count; ++k) {
+    const int edge = words[plan::kEdge];
+    const Entry& item = EntryAt(edge);
+    SetRefs(item, words);
+    double s = 0.0;
+    bool ok;
+    if (item.edge->ConstantHessian() != nullptr) {
+      ok = item.edge->LinearizeQuadratic(item.refs, nullptr, &s);
+    } else {
+      ok = item.edge->Evaluate(item.refs, item.residual.data(), nullptr);
+      for (const double value : item.residual) s += value * value;
+    }
+    const double cost = ok ? internal::RobustScale(loss(edge), s).cost : NAN;
+    if (!std::isfinite(cost)) {
+      sink->failed_edge = edge;
+      return false;
+    }
+    sink->cost += cost;
+    words += plan::NumWords(static_cast<int>(item.vertices.size()));
+  }
+  return true;
+}
+
+void DynamicEdgePool::Compact() {
+  for (int edge = 0; edge < size(); ++edge) {
+    if (slots_.AliveAt(edge) && !Alive(edge)) slots_.Remove(slots_.SlotOf(edge));
+  }
+  slots_.Compact([this](int from, int to) {
+    const auto f = static_cast<std::size_t>(from), t = static_cast<std::size_t>(to);
+    std::swap(items_[t], items_[f]);
+    loss_of_edge_[t] = loss_of_edge_[f];
+  });
+  items_.resize(static_cast<std::size_t>(slots_.Size()));
+  loss_of_edge_.resize(static_cast<std::size_t>(slots_.Size()));
+}
+
+std::unique_ptr<EdgePoolBase> DynamicEdgePool::Clone(
+    const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools) const {
+  auto copy = std::make_unique<DynamicEdgePool>();
+  copy->slots_ = slots_;
+  copy->losses_ = losses_;
+  copy->loss_of_edge_ = loss_of_edge_;
+  copy->items_.resize(items_.size());
+  for (std::size_t k = 0; k < items_.size(); ++k) {
+    Entry& item = copy->items_[k];
+    item.edge = items_[k].edge->Clone();
+    item.vertices = items_[k].vertices;
+    for (Vertex& vertex : item.vertices) {
+      for (const auto& pool : vertex_pools) {
+        if (pool->ops().type == vertex.pool->ops().type) vertex.pool = pool.get();
+      }
+    }
+    copy->PrepareItem(&item);
+  }
+  return copy;
+}
+
+}  // namespace glissade

@@ -1,0 +1,248 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/graph/graph.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "glissade/vertices/pose.h"
+
+namespace glissade {
+
+namespace internal {
+
+Status About(const Status& status, std::string_view subject) {
+  if (status.ok()) return status;
+  std::string message = std::string(subject) + ": " + status.message();
+  if (status.edge()) return {status.code(), std::move(message), status.edge(), status.other_edge()};
+  return {status.code(), std::move(message), status.vertex()};
+}
+
+bool AllFinite(const double* data, int size) {
+  return std::all_of(data, data + size, [](double x) { return std::isfinite(x); });
+}
+
+}  // namespace internal
+
+namespace {
+
+Status UnknownVertex(AnyVertex vertex) {
+  return {StatusCode::kUnknownHandle, "vertex " + ToString(vertex) + " is not in this graph",
+          vertex};
+}
+
+Status UnknownEdge(AnyEdge edge) {
+  return {StatusCode::kUnknownHandle, "edge " + ToString(edge) + " is not in this graph", edge};
+}
+
+}  // namespace
+
+VertexPoolBase* Graph::PoolOf(const TypeInfo* type) const {
+  for (const auto& pool : vertex_pools_) {
+    if (pool->ops().type == type) return pool.get();
+  }
+  return nullptr;
+}
+
+EdgePoolBase* Graph::EdgePoolOf(const TypeInfo* type) const {
+  for (const auto& pool : edge_pools_) {
+    if (pool->type() == type) return pool.get();
+  }
+  return nullptr;
+}
+
+Graph::VertexSite Graph::Locate(AnyVertex vertex) const {
+  VertexPoolBase* pool = vertex.type == nullptr ? nullptr : PoolOf(vertex.type);
+  if (pool == nullptr || !pool->slots().Contains(vertex.slot, vertex.generation)) return {};
+  return {pool, pool->slots().IndexOf(vertex.slot)};
+}
+
+Graph::EdgeSite Graph::Locate(AnyEdge edge) const {
+  EdgePoolBase* pool = edge.type == nullptr ? nullptr : EdgePoolOf(edge.type);
+  if (pool == nullptr || !pool->slots().Contains(edge.slot, edge.generation)) return {};
+  const int index = pool->slots().IndexOf(edge.slot);
+  if (!pool->Alive(index)) return {};
+  return {pool, index};
+}
+
+bool Graph::Contains(AnyVertex vertex) const { return Locate(vertex).pool != nullptr; }
+bool Graph::Contains(AnyEdge edge) const { return Locate(edge).pool != nullptr; }
+
+Status Graph::CheckEdgeVertices(std::span<const AnyVertex> vertices,
+                                std::string_view edge_name) const {
+  int eliminated = 0;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const VertexSite site = Locate(vertices[i]);
+    if (site.pool == nullptr) {
+      return internal::About(UnknownVertex(vertices[i]), edge_name);
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (vertices[i] == vertices[j]) {
+        return {StatusCode::kRepeatedVertex,
+                std::string(edge_name) + ": " + ToString(vertices[i]) + " is given twice",
+                vertices[i]};
+      }
+    }
+    if (site.pool->eliminated(site.index) && ++eliminated == 2) {
+      return {StatusCode::kEliminatedPair,
+              std::string(edge_name) + ": joins two eliminated vertices; keep one of them with " +
+                  "SetEliminated(" + ToString(vertices[i]) + ", false)",
+              vertices[i]};
+    }
+  }
+  return {};
+}
+
+Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge,
+                                               std::span<const AnyVertex> vertices, Loss loss) {
+  if (edge == nullptr) return Status(StatusCode::kInvalidArgument, "dynamic edge is null");
+  if (vertices.empty()) return Status(StatusCode::kInvalidArgument, "dynamic edge without vertices");
+  if (Status status = CheckEdgeVertices(vertices, "dynamic edge"); !status.ok()) return status;
+  std::vector<const VertexOps*> ops;
+  std::vector<DynamicEdgePool::Vertex> sites;
+  for (const AnyVertex& vertex : vertices) {
+    const VertexSite site = Locate(vertex);
+    ops.push_back(&site.pool->ops());
+    sites.push_back({site.pool, {vertex.slot, vertex.generation}});
+  }
+  if (Status status = edge->CheckVertices(ops); !status.ok()) {
+    return internal::About(status, "dynamic edge");
+  }
+  if (edge->ResidualDim() < 1) {
+    return Status(StatusCode::kInvalidArgument, "dynamic edge without residuals");
+  }
+  if (!loss.trivial() && edge->ConstantHessian() != nullptr) {
+    return Status(StatusCode::kInvalidArgument,
+                  "a dynamic edge with a constant Hessian cannot have a robust loss");
+  }
+  if (Status status = loss.Validate(); !status.ok()) return status;
+  auto* pool = static_cast<DynamicEdgePool*>(EdgePoolOf(&kTypeInfo<DynamicEdge>));
+  if (pool == nullptr) {
+    edge_pools_.push_back(std::make_unique<DynamicEdgePool>());
+    pool = static_cast<DynamicEdgePool*>(edge_pools_.back().get());
+  }
+  StructureChanged();
+  return pool->Add(std::move(edge), sites, loss);
+}
+
+Status Graph::RemoveVertex(AnyVertex vertex) {
+  const VertexSite site = Locate(vertex);
+  if (site.pool == nullptr) return UnknownVertex(vertex);
+  DropFreeTangent(vertex);
+  // Connected edges are dead from here on (EdgePoolBase::Alive) and go at the next Compact().
+  site.pool->Remove(vertex.slot);
+  StructureChanged();
+  return {};
+}
+
+Status Graph::RemoveEdge(AnyEdge edge) {
+  const EdgeSite site = Locate(edge);
+  if (site.pool == nullptr) return UnknownEdge(edge);
+  site.pool->Remove(edge.slot);
+  StructureChanged();
+  return {};
+}
+
+void Graph::DropFreeTangent(AnyVertex vertex) {
+  std::erase_if(free_tangents_, [&](const FreeTangent& t) { return t.vertex == vertex; });
+}
+
+void Graph::Reanchor(AnyVertex vertex) {
+  for (FreeTangent& tangent : free_tangents_) {
+    if (tangent.vertex != vertex) continue;
+    const VertexSite site = Locate(vertex);
+    tangent = FreeTangent::ForPose(vertex, tangent.fix, site.pool->Data(site.index));
+  }
+}
+
+Status Graph::SetFixed(AnyVertex vertex, Fix fix) {
+  const VertexSite site = Locate(vertex);
+  if (site.pool == nullptr) return UnknownVertex(vertex);
+  const bool partial = fix == Fix::kPosition || fix == Fix::kPositionAndYaw;
+  if (partial && vertex.type != &kTypeInfo<VertexPose>) {
+    return {StatusCode::kInvalidArgument,
+            "SetFixed: only a VertexPose can be fixed in part, not " + ToString(vertex), vertex};
+  }
+  if (site.pool->fix(site.index) == fix && !partial) return {};
+  DropFreeTangent(vertex);
+  if (partial) {
+    free_tangents_.push_back(FreeTangent::ForPose(vertex, fix, site.pool->Data(site.index)));
+  }
+  site.pool->set_fix(site.index, fix);
+  StructureChanged();
+  return {};
+}
+
+Fix Graph::GetFixed(AnyVertex vertex) const {
+  const VertexSite site = Locate(vertex);
+  return site.pool == nullptr ? Fix::kFree : site.pool->fix(site.index);
+}
+
+Status Graph::SetEliminated(AnyVertex vertex, bool eliminated) {
+  const VertexSite site = Locate(vertex);
+  if (site.pool == nullptr) return UnknownVertex(vertex);
+  if (eliminated && site.pool->ops().tangent_dim > 4) {
+    return {StatusCode::kInvalidArgument,
+            "SetEliminated: " + ToString(vertex) + " has more than 4 tangent dimensions", vertex};
+  }
+  if (site.pool->eliminated(site.index) == eliminated) return {};
+  if (eliminated) {
+    for (const AnyEdge& edge : EdgesOf(vertex)) {
+      for (const AnyVertex& other : VerticesOf(edge)) {
+        const VertexSite other_site = Locate(other);
+        if (other != vertex && other_site.pool->eliminated(other_site.index)) {
+          return {StatusCode::kEliminatedPair,
+                  "SetEliminated: " + ToString(edge) + " joins " + ToString(vertex) +
+                      " to the eliminated " + ToString(other),
+                  edge};
+        }
+      }
+    }
+  }
+  site.pool->set_eliminated(site.index, eliminated);
+  StructureChanged();
+  return {};
+}
+
+Status Graph::SetLoss(AnyEdge edge, const Loss& loss) {
+  const EdgeSite site = Locate(edge);
+  if (site.pool == nullptr) return UnknownEdge(edge);
+  if (Status status = loss.Validate(); !status.ok()) {
+    return {status.code(), status.message(), edge};
+  }
+  if (!loss.trivial() && edge.type == &kTypeInfo<DynamicEdge> &&
+      static_cast<DynamicEdgePool*>(site.pool)->At(site.index).ConstantHessian() != nullptr) {
+    return {StatusCode::kInvalidArgument,
+            "a dynamic edge with a constant Hessian cannot have a robust loss", edge};
+  }
+  site.pool->set_loss(site.index, loss);
+  return {};
+}
+
+void Graph::Compact() {
+  for (const auto& pool : edge_pools_) pool->Compact();
+  for (const auto& pool : vertex_pools_) pool->Compact();
+}
+
+void Graph::SaveStates() {
+  for (const auto& pool : vertex_pools_) pool->Save();
+  for (FreeTangent& t : free_tangents_) std::copy_n(t.dphi, 3, t.saved_dphi);
+}
+
+void Graph::RestoreStates() {
+  for (const auto& pool : vertex_pools_) pool->Restore();
+  for (FreeTangent& t : free_tangents_) std::copy_n(t.saved_dphi, 3, t.dphi);
+}
+
+Graph Graph::Clone() const {
+  Graph copy;
+  for (const auto& pool : vertex_pools_) copy.vertex_pools_.push_back(pool->Clone());
+  for (const auto& pool : edge_pools_) {
+    copy.edge_pools_.push_back(pool->Clone(copy.vertex_pools_));
+  }
+  copy.free_tangents_ = free_tangents_;
+  copy.structure_version_ = structure_version_;
+  return copy;
+}
+
+}  // namespace glissade
