@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Defines the table of one instruction set: included once by each src/kernels/<isa>/table.cpp.
+// The table is the only symbol such an object exports.
+
+#include "kernels/impl/cholesky.h"
+#include "kernels/impl/rank_update.h"
+#include "kernels/impl/schur.h"
+#include "kernels/impl/small.h"
+#include "kernels/impl/triangular.h"
+#include "kernels/impl/triangular_many.h"
+#include "kernels/impl/vector.h"
+#include "kernels/kernels.h"
+
+#define GLISSADE_CONCAT_(a, b) a##b
+#define GLISSADE_CONCAT(a, b) GLISSADE_CONCAT_(a, b)
+#define GLISSADE_STRING_(a) #a
+#define GLISSADE_STRING(a) GLISSADE_STRING_(a)
+
+namespace glissade::kernels {
+
+#define GLISSADE_KERNEL_TABLE GLISSADE_CONCAT(glissade_kernels_, GLISSADE_KERNEL_ISA)
+
+extern const KernelTable GLISSADE_KERNEL_TABLE;
+
+const KernelTable GLISSADE_KERNEL_TABLE = {
+    .isa = GLISSADE_KERNEL_ISA_ENUM,
+    .name = GLISSADE_STRING(GLISSADE_KERNEL_ISA),
+    .width = kW,
+    .cholesky = Cholesky,
+    .cholesky_solve = CholeskySolve,
+    .forward_solve = ForwardSolve,
+    .backward_solve = BackwardSolve,
+    .cholesky_solve_many = CholeskySolveMany,
+    .forward_solve_many = ForwardSolveMany,
+    .backward_solve_many = BackwardSolveMany,
+    .symv_lower = SymvLower,
+    .dot = Dot,
+    .axpy = Axpy,
+    .syrk_lower_sub = SyrkLowerSub,
+    .syrk_lower_add = SyrkLowerAdd,
+    .gemm_nt_sub = GemmNtSub,
+    .gemm_nt_add = GemmNtAdd,
+    .schur_update = SchurUpdate,
+    .invert_spd_small = InvertSpdSmall,
+};
+
+}  // namespace glissade::kernels

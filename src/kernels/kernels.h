@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The hot loops of the library on raw double*, compiled once per instruction set.
+//
+// Each table is built from the same source (src/kernels/impl) with the flags of its instruction
+// set. Everything in there has internal linkage: with inline functions shared between objects built
+// for different instruction sets the linker would be free to pick the AVX-512 copy for everybody.
+//
+// All kernels are deterministic (same input and same table: same bits), allocate nothing, touch no
+// global state and ask for no alignment beyond that of double. 64-byte aligned columns are faster.
+//
+// Matrices are column-major with a leading dimension, symmetric ones are given by their lower
+// triangle; the strictly upper triangle is neither read nor written unless stated otherwise.
+
+#ifndef GLISSADE_KERNELS_KERNELS_H_
+#define GLISSADE_KERNELS_KERNELS_H_
+
+#include <stdint.h>
+
+namespace glissade::kernels {
+
+enum class Isa { kBaseline = 0, kAvx2 = 1, kAvx512 = 2 };
+
+/// Function pointers of one instruction set.
+struct KernelTable {
+  Isa isa;
+  const char* name;  ///< "baseline", "avx2" or "avx512": what GLISSADE_ISA is compared with.
+  int width;         ///< doubles per vector register
+
+  // ---- Dense symmetric factorization and solves -------------------------------------------------
+
+  /// A = L L' in place, lower triangle, n >= 0, lda >= n.
+  /// Returns 0, or 1 + index of the first pivot that is not > 0 (NaN counts as such); the lower
+  /// triangle is then partly overwritten.
+  int (*cholesky)(int n, double* a, int lda);
+
+  /// x <- (L L')^-1 x with the factor of `cholesky`.
+  void (*cholesky_solve)(int n, const double* l, int lda, double* x);
+  /// x <- L^-1 x.
+  void (*forward_solve)(int n, const double* l, int lda, double* x);
+  /// x <- L^-T x.
+  void (*backward_solve)(int n, const double* l, int lda, double* x);
+
+  /// The same three for the nrhs columns of B (n x nrhs, column-major, ldb >= n).
+  void (*cholesky_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
+  void (*forward_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
+  void (*backward_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
+
+  // ---- Products ---------------------------------------------------------------------------------
+
+  /// y = A x, A symmetric by its lower triangle. x and y must not overlap.
+  void (*symv_lower)(int n, const double* a, int lda, const double* x, double* y);
+  /// x'y.
+  double (*dot)(int n, const double* x, const double* y);
+  /// y += alpha x.
+  void (*axpy)(int n, double alpha, const double* x, double* y);
+
+  /// S -= W W' (lower triangle of S, n x n). W is n x k, column-major.
+  void (*syrk_lower_sub)(int n, int k, const double* w, int ldw, double* s, int lds);
+  /// S += W W'.
+  void (*syrk_lower_add)(int n, int k, const double* w, int ldw, double* s, int lds);
+  /// C -= A B'. C is m x n, A is m x k, B is n x k, all column-major. C must not overlap A or B.
+  void (*gemm_nt_sub)(int m, int n, int k, const double* a, int lda, const double* b, int ldb,
+                      double* c, int ldc);
+  /// C += A B'.
+  void (*gemm_nt_add)(int m, int n, int k, const double* a, int lda, const double* b, int ldb,
+                      double* c, int ldc);
+
+  // ---- Landmark elimination ---------------------------------------------------------------------
+
+  /// S -= Y W' for one landmark of tangent dimension dl (1 to 4) that touches m blocks:
+  ///   S[row_offset[a].., row_offset[b]..] -= Y_a W_b'   for all a >= b.
+  /// Y and W hold their blocks one after the other, block a row-major dim[a] x dl; Y_a = W_a
+  /// H_ll^-1. row_offset (the first scalar row of each block in S) ascends, blocks do not overlap,
+  /// dim[a] is 1 to 16. Only the block-lower part of S is touched; diagonal blocks are updated
+  /// whole.
+  void (*schur_update)(int m, const int32_t* row_offset, const int32_t* dim, int dl,
+                       const double* y, const double* w, double* s, int lds);
+
+  /// Inverts a symmetric positive definite matrix of size n (1 to 4) in place, row-major, full
+  /// (only the lower triangle is read, both are written).
+  /// Returns 0, or 1 when it is not positive definite or not finite; h is then unchanged.
+  int (*invert_spd_small)(int n, double* h);
+};
+
+/// The table in use: chosen once, at the first call. It is the best one the CPU supports, or the
+/// one the environment variable GLISSADE_ISA (baseline, avx2, avx512) names; see
+/// IsaSelectionNote().
+const KernelTable& Kernels();
+
+/// The table of one instruction set; null where the CPU (or the build) has not got it.
+const KernelTable* KernelsFor(Isa isa);
+
+/// Why Kernels() is what it is where GLISSADE_ISA could not be honoured: one line of text, static
+/// storage. Empty when there is nothing to report.
+const char* IsaSelectionNote();
+
+}  // namespace glissade::kernels
+
+#endif  // GLISSADE_KERNELS_KERNELS_H_
