@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "glissade/base/validate.h"
+#include "glissade/cameras/identity.h"
+#include "glissade/edges/concept.h"
+#include "glissade/edges/two_view_point.h"
+
+namespace glissade {
+
+/// Observation of an inverse-depth landmark of host frame i in another frame j by the same camera.
+///
+/// Vertices: T_W_Bi, T_W_Bj, rho. With b = (uv_host, 1), R and t the parts of T_b_c,
+///     P = R' (R_j' (R_i (R b / rho + t) + p_i - p_j) - t),   r = project(P) - uv_target.
+/// The host observation is taken as exact. Evaluated behind the camera and at rho = 0; no value
+/// where P.z = 0.
+template <CameraModel Camera = CameraIdentity>
+struct EdgeReprojectionOf {
+  using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth>;
+  static constexpr int kResidualDim = 2;
+  static constexpr bool kIsObservation = true;
+
+  /// Normalized coordinates (x/z, y/z) of the host's ray, whatever the camera model: unproject
+  /// once.
+  Vector2 uv_host = Vector2::Zero();
+  /// Image coordinates in the target frame: normalized for CameraIdentity, else the camera's.
+  Vector2 uv_target = Vector2::Zero();
+  /// Camera in body: x_b = T_b_c x_c.
+  Pose T_b_c;
+  [[no_unique_address]] Camera camera{};
+
+  bool Evaluate(const VertexPose& host, const VertexPose& target, const VertexInverseDepth& depth,
+                Vector2& r, Jacobian<2, 6>* d_r_d_host, Jacobian<2, 6>* d_r_d_target,
+                Jacobian<2, 1>* d_r_d_rho) const {
+    const internal::TwoViewPoint x(host.pose, target.pose, depth.rho, uv_host, T_b_c, T_b_c);
+    const bool linearize = d_r_d_host || d_r_d_target || d_r_d_rho;
+    Matrix<2, 3> d_r_d_c;
+    if (!internal::ProjectScaled(camera, x.q, x.rho, r, linearize ? &d_r_d_c : nullptr)) {
+      return false;
+    }
+    r -= uv_target;
+    if (!linearize) return true;
+    const internal::TwoViewDerivatives d(x, d_r_d_c);
+    if (d_r_d_host) d.Host(*d_r_d_host);
+    if (d_r_d_target) d.Target(*d_r_d_target);
+    if (d_r_d_rho) d.InverseDepth(host.pose, target.pose, *d_r_d_rho);
+    return true;
+  }
+
+  /// Same camera: two observations of one landmark by it in one frame are duplicates.
+  [[nodiscard]] bool SameSensor(const EdgeReprojectionOf& other) const {
+    return T_b_c == other.T_b_c && camera == other.camera;
+  }
+
+  /// z in the target camera (m); if the landmark lies behind its host, the smaller of that and
+  /// 1/rho.
+  [[nodiscard]] double Depth(const VertexPose& host, const VertexPose& target,
+                             const VertexInverseDepth& depth) const {
+    const internal::TwoViewPoint x(host.pose, target.pose, depth.rho, uv_host, T_b_c, T_b_c);
+    return internal::TwoViewDepth(x.q[2], x.rho);
+  }
+
+  [[nodiscard]] Status Validate() const {
+    if (Status s = ValidateFinite(uv_host.data(), 2, "host observation"); !s.ok()) return s;
+    if (Status s = ValidateFinite(uv_target.data(), 2, "target observation"); !s.ok()) return s;
+    if (Status s = ValidatePose(T_b_c.data, "extrinsic"); !s.ok()) return s;
+    return ValidateCamera(camera);
+  }
+};
+
+/// The edge on normalized coordinates.
+using EdgeReprojection = EdgeReprojectionOf<CameraIdentity>;
+template <>
+inline constexpr TypeInfo kTypeInfo<EdgeReprojection>{"EdgeReprojection"};
+
+}  // namespace glissade

@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+
+#include "glissade/base/validate.h"
+#include "glissade/cameras/identity.h"
+#include "glissade/edges/concept.h"
+#include "glissade/vertices/point_xyz.h"
+#include "glissade/vertices/pose.h"
+
+namespace glissade {
+
+/// Observation of a point in the world by a camera on the body.
+///
+/// Vertices: T_W_B, X_W. With R_bc and t_bc the parts of T_b_c,
+///     P = R_bc' (R' (X - p) - t_bc),   r = project(P) - uv.
+/// Evaluated behind the camera; no value where P.z = 0.
+template <CameraModel Camera = CameraIdentity>
+struct EdgeReprojectionXYZOf {
+  using Vertices = VertexList<VertexPose, VertexPointXYZ>;
+  static constexpr int kResidualDim = 2;
+  static constexpr bool kIsObservation = true;
+
+  /// Image coordinates: normalized (x/z, y/z) for CameraIdentity, else the camera's.
+  Vector2 uv = Vector2::Zero();
+  /// Camera in body: x_b = T_b_c x_c.
+  Pose T_b_c;
+  [[no_unique_address]] Camera camera{};
+
+  bool Evaluate(const VertexPose& pose, const VertexPointXYZ& point, Vector2& r,
+                Jacobian<2, 6>* d_r_d_pose, Jacobian<2, 3>* d_r_d_point) const {
+    const Matrix3 R_w_b = pose.pose.R();
+    const Matrix3 R_b_c = T_b_c.R();
+    const Vector3 x_b = R_w_b.transpose() * (point.p() - pose.pose.p());
+    const Vector3 x_c = R_b_c.transpose() * (x_b - T_b_c.p());
+    const bool linearize = d_r_d_pose || d_r_d_point;
+    Matrix<2, 3> d_r_d_c;
+    if (!camera.Project(x_c, r, linearize ? &d_r_d_c : nullptr)) return false;
+    r -= uv;
+    if (!std::isfinite(r[0] + r[1])) return false;
+    if (!linearize) return true;
+    const Matrix<2, 3> d_r_d_b = d_r_d_c * R_b_c.transpose();
+    const Matrix<2, 3> d_r_d_w = d_r_d_b * R_w_b.transpose();
+    if (d_r_d_pose) {
+      for (int row = 0; row < 2; ++row) {
+        d_r_d_pose->row(row).template head<3>() = -d_r_d_w.row(row);
+        d_r_d_pose->row(row).template tail<3>() = Vector3(d_r_d_b.row(row)).cross(x_b).transpose();
+      }
+    }
+    if (d_r_d_point) *d_r_d_point = d_r_d_w;
+    return true;
+  }
+
+  /// Same camera: two observations of one point by it in one frame are duplicates.
+  [[nodiscard]] bool SameSensor(const EdgeReprojectionXYZOf& other) const {
+    return T_b_c == other.T_b_c && camera == other.camera;
+  }
+
+  /// z of the point in the camera (m).
+  [[nodiscard]] double Depth(const VertexPose& pose, const VertexPointXYZ& point) const {
+    const Vector3 x_b = pose.pose.R().transpose() * (point.p() - pose.pose.p());
+    return T_b_c.R().col(2).dot(x_b - T_b_c.p());
+  }
+
+  [[nodiscard]] Status Validate() const {
+    if (Status s = ValidateFinite(uv.data(), 2, "observation"); !s.ok()) return s;
+    if (Status s = ValidatePose(T_b_c.data, "extrinsic"); !s.ok()) return s;
+    return ValidateCamera(camera);
+  }
+};
+
+/// The edge on normalized coordinates.
+using EdgeReprojectionXYZ = EdgeReprojectionXYZOf<CameraIdentity>;
+template <>
+inline constexpr TypeInfo kTypeInfo<EdgeReprojectionXYZ>{"EdgeReprojectionXYZ"};
+
+}  // namespace glissade
