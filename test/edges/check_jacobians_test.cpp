@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// The checker itself: edges with one fault each must be found, and the fault be named.
+#include "glissade/testing/check_jacobians.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "glissade/vertices/vector.h"
+
+namespace glissade {
+namespace {
+
+enum class Fault {
+  kNone,
+  kSlightlyWrong,
+  kWrongSign,
+  kUnwrittenEntry,
+  kUnwrittenResidual,
+  kResidualDependsOnJacobians,
+  kJacobianDependsOnOthers,
+  kReturnsFalse,
+};
+
+/// r = [x0 y, sin(x1) + exp(y)].
+template <Fault fault>
+struct EdgeWithFault {
+  using Vertices = VertexList<VertexVector<2>, VertexVector<1>>;
+  static constexpr int kResidualDim = 2;
+
+  bool Evaluate(const VertexVector<2>& x, const VertexVector<1>& y, Vector<2>& r,
+                Jacobian<2, 2>* d_r_d_x, Jacobian<2, 1>* d_r_d_y) const {
+    const double x0 = x.value[0], x1 = x.value[1], y0 = y.value[0];
+    r[0] = x0 * y0;
+    if (fault != Fault::kUnwrittenResidual) r[1] = std::sin(x1) + std::exp(y0);
+    if (fault == Fault::kResidualDependsOnJacobians && d_r_d_x) r[0] += 1.0;
+    if (d_r_d_x) {
+      (*d_r_d_x)(0, 0) = y0;
+      (*d_r_d_x)(0, 1) = 0.0;
+      if (fault != Fault::kUnwrittenEntry) (*d_r_d_x)(1, 0) = 0.0;
+      (*d_r_d_x)(1, 1) = std::cos(x1) * (fault == Fault::kSlightlyWrong ? 1.0 + 2e-7 : 1.0);
+    }
+    if (d_r_d_y) {
+      *d_r_d_y << x0, std::exp(y0);
+      if (fault == Fault::kWrongSign) (*d_r_d_y)(1, 0) *= -1.0;
+      if (fault == Fault::kJacobianDependsOnOthers && !d_r_d_x) d_r_d_y->setZero();
+    }
+    return fault != Fault::kReturnsFalse;
+  }
+};
+
+template <Fault fault>
+JacobianCheck Check(const JacobianCheckOptions& options = {}) {
+  return CheckJacobians(EdgeWithFault<fault>{}, VertexVector<2>{{0.7, -0.4}},
+                        VertexVector<1>{{1.3}}, options);
+}
+
+TEST(CheckJacobians, AcceptsACorrectEdgeWithRoomToSpare) {
+  const JacobianCheck check = Check<Fault::kNone>();
+  EXPECT_TRUE(check.ok) << check.message;
+  EXPECT_LT(check.worst_error, 1e-10);
+  EXPECT_TRUE(check.message.empty());
+}
+
+TEST(CheckJacobians, NamesTheWrongEntry) {
+  const JacobianCheck check = Check<Fault::kWrongSign>();
+  EXPECT_FALSE(check);
+  EXPECT_EQ(check.vertex, 1);
+  EXPECT_EQ(check.row, 1);
+  EXPECT_EQ(check.column, 0);
+  EXPECT_NEAR(check.analytic, -check.numeric, 1e-9);
+}
+
+TEST(CheckJacobians, ToleranceIsAnOption) {
+  EXPECT_FALSE(Check<Fault::kSlightlyWrong>().ok);
+  EXPECT_TRUE(Check<Fault::kSlightlyWrong>({.tolerance = 1e-6}).ok);
+}
+
+TEST(CheckJacobians, FindsWhatIsNotWritten) {
+  EXPECT_NE(Check<Fault::kUnwrittenEntry>().message.find("entry (1, 0)"), std::string::npos);
+  EXPECT_NE(Check<Fault::kUnwrittenResidual>().message.find("residual 1"), std::string::npos);
+}
+
+TEST(CheckJacobians, FindsOutputsThatDependOnEachOther) {
+  EXPECT_NE(Check<Fault::kResidualDependsOnJacobians>().message.find("without Jacobians"),
+            std::string::npos);
+  EXPECT_NE(Check<Fault::kJacobianDependsOnOthers>().message.find("alone"), std::string::npos);
+}
+
+TEST(CheckJacobians, NeedsAPointWithAValue) {
+  EXPECT_NE(Check<Fault::kReturnsFalse>().message.find("returned false"), std::string::npos);
+}
+
+/// Central differences at h = 1e-6 alone would miss by more than 1e-7 here.
+struct EdgeLargeNumbers {
+  using Vertices = VertexList<VertexVector<1>>;
+  static constexpr int kResidualDim = 1;
+  bool Evaluate(const VertexVector<1>& x, Vector<1>& r, Jacobian<1, 1>* d_r_d_x) const {
+    r[0] = 1e6 + std::sin(3.0 * x.value[0]);
+    if (d_r_d_x) (*d_r_d_x)(0, 0) = 3.0 * std::cos(3.0 * x.value[0]);
+    return true;
+  }
+};
+
+TEST(CheckJacobians, ExtrapolationReachesWhatAPlainDifferenceDoesNot) {
+  const VertexVector<1> x{{0.3}};
+  const double h = 1e-6;
+  const double plain = ((1e6 + std::sin(0.9 + 3 * h)) - (1e6 + std::sin(0.9 - 3 * h))) / (2 * h);
+  EXPECT_GT(std::abs(plain / (3.0 * std::cos(0.9)) - 1.0), 1e-7);
+  const JacobianCheck check = CheckJacobians(EdgeLargeNumbers{}, x);
+  EXPECT_TRUE(check.ok) << check.message;
+}
+
+}  // namespace
+}  // namespace glissade
