@@ -16,8 +16,6 @@ std::string_view ToString(StatusCode code) {
     case StatusCode::kRepeatedVertex: return "repeated vertex";
     case StatusCode::kSingular: return "singular";
     case StatusCode::kEvaluationFailed: return "evaluation failed";
-    case StatusCode::kEmptyProblem: return "empty problem";
-    case StatusCode::kCancelled: return "cancelled";
     case StatusCode::kIoError: return "i/o error";
     case StatusCode::kParseError: return "parse error";
   }

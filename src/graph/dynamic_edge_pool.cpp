@@ -61,6 +61,12 @@ void DynamicEdgePool::SetRefs(const Entry& item, const std::int32_t* words) cons
   }
 }
 
+void DynamicEdgePool::DenseIndices(int edge, std::int32_t* indices) const {
+  for (const Vertex& vertex : EntryAt(edge).vertices) {
+    *indices++ = vertex.pool->slots().IndexOf(vertex.address.slot);
+  }
+}
+
 bool DynamicEdgePool::Evaluate(int edge, const double* const* states, double* residual,
                                double* const* jacobians) const {
   const Entry& item = EntryAt(edge);

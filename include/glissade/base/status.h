@@ -25,8 +25,6 @@ enum class StatusCode {
   kRepeatedVertex,       ///< one vertex twice in one edge
   kSingular,             ///< a block without information that would have to be inverted
   kEvaluationFailed,     ///< an edge has no value at this point
-  kEmptyProblem,         ///< nothing to solve
-  kCancelled,            ///< a callback asked to stop
   kIoError,              ///< a file cannot be opened, read or written
   kParseError,           ///< a file's content is malformed
 };

@@ -80,6 +80,12 @@ class EdgePool final : public EdgePoolBase {
     return vertices_[Index(edge)][static_cast<std::size_t>(i)];
   }
 
+  void DenseIndices(int edge, std::int32_t* indices) const override {
+    ForEachIndex<kArity>([&](auto i) {
+      indices[i] = std::get<i>(pools_)->slots().IndexOf(vertices_[Index(edge)][i].slot);
+    });
+  }
+
   bool Evaluate(int edge, const double* const* states, double* residual,
                 double* const* jacobians) const override {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
@@ -223,9 +229,7 @@ class EdgePool final : public EdgePoolBase {
 
   [[nodiscard]] std::array<std::int32_t, kArity> DenseIndices(int edge) const {
     std::array<std::int32_t, kArity> indices;
-    ForEachIndex<kArity>([&](auto i) {
-      indices[i] = std::get<i>(pools_)->slots().IndexOf(vertices_[Index(edge)][i].slot);
-    });
+    DenseIndices(edge, indices.data());
     return indices;
   }
 

@@ -35,6 +35,7 @@ template <VertexType V>
 VertexPool<V>& Graph::MakePool() {
   if (VertexPool<V>* pool = Pool<V>()) return *pool;
   vertex_pools_.push_back(std::make_unique<VertexPool<V>>());
+  vertex_pools_.back()->set_id(static_cast<int>(vertex_pools_.size()) - 1);
   return static_cast<VertexPool<V>&>(*vertex_pools_.back());
 }
 

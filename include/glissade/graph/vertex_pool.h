@@ -23,6 +23,9 @@ class VertexPoolBase {
   [[nodiscard]] const VertexOps& ops() const { return *ops_; }
   [[nodiscard]] const internal::SlotMap& slots() const { return slots_; }
   [[nodiscard]] int size() const { return slots_.Size(); }
+  /// Position among the graph's vertex pools.
+  [[nodiscard]] int id() const { return id_; }
+  void set_id(int id) { id_ = id; }
 
   [[nodiscard]] const double* Data(int index) const {
     return reinterpret_cast<const double*>(base_ + static_cast<std::size_t>(index) * stride_);
@@ -57,6 +60,7 @@ class VertexPoolBase {
 
  protected:
   const VertexOps* ops_;
+  int id_ = 0;
   internal::SlotMap slots_;
   std::vector<Fix> fix_;
   std::vector<std::uint8_t> eliminated_;

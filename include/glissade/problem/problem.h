@@ -42,17 +42,31 @@ class Problem : public Graph {
   Status RollbackStates();
   /// H of the last MakeHessian() as a dense symmetric matrix; free variables in the order of
   /// FreeVertices(), partly fixed poses with their free coordinates only. Empty before.
-  [[nodiscard]] Eigen::MatrixXd Hessian() const;
+  [[nodiscard]] Eigen::MatrixXd Hessian() const {
+    Eigen::MatrixXd H(DenseSize(), DenseSize());
+    if (H.size() > 0) FillHessian(H.data());
+    return H;
+  }
   /// b of the last MakeHessian() = minus the gradient; same order.
-  [[nodiscard]] Eigen::VectorXd Rhs() const;
+  [[nodiscard]] Eigen::VectorXd Rhs() const {
+    Eigen::VectorXd b(DenseSize());
+    if (b.size() > 0) FillRhs(b.data());
+    return b;
+  }
   /// dx of the last SolveLinearSystem(); same order.
-  [[nodiscard]] Eigen::VectorXd Step() const;
+  [[nodiscard]] Eigen::VectorXd Step() const {
+    Eigen::VectorXd dx(DenseSize());
+    if (dx.size() > 0) FillStep(dx.data());
+    return dx;
+  }
   /// Order of Hessian(): kept vertices first, then eliminated ones, insertion order within types.
   [[nodiscard]] std::vector<AnyVertex> FreeVertices() const;
   /// First row of each of FreeVertices() in Hessian(), and the number of rows at the end.
   [[nodiscard]] std::vector<int> FreeOffsets() const;
 
  private:
+  // Eigen matrices are made here, in the consumer's translation unit, and filled by the library:
+  // the two may have been built with different ideas of how Eigen allocates.
   int DenseSize() const;
   void FillHessian(double* H) const;  // DenseSize^2
   void FillRhs(double* b) const;

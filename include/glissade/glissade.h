@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// \file
+/// Everything one needs to build and solve a problem. Rooms apart from this (io, sim, bridge,
+/// testing) are included by name.
+
+#include "glissade/edges/bal.h"
+#include "glissade/edges/pose_prior_vec.h"
+#include "glissade/edges/relative_pose.h"
+#include "glissade/edges/reprojection.h"
+#include "glissade/edges/reprojection_extrinsic.h"
+#include "glissade/edges/reprojection_xyz.h"
+#include "glissade/edges/se3_prior.h"
+#include "glissade/losses/cauchy.h"
+#include "glissade/losses/huber.h"
+#include "glissade/losses/trivial.h"
+#include "glissade/losses/tukey.h"
+#include "glissade/problem/problem.h"
+#include "glissade/vertices/camera_bal.h"
+#include "glissade/vertices/inverse_depth.h"
+#include "glissade/vertices/point_xyz.h"
+#include "glissade/vertices/pose.h"
+#include "glissade/vertices/vector.h"

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "glissade/base/status.h"
+#include "glissade/base/thread_pool.h"
+#include "glissade/linear/linear_solver.h"
+#include "glissade/structure/structure.h"
+
+namespace glissade {
+
+/// What is added to the normal equations before solving.
+struct DampingTerm {
+  double lambda = 0.0;
+  bool identity = false;         ///< D = I instead of the clamped diagonal of H
+  bool reduced_only = false;     ///< lambda I on the reduced system only, landmarks undamped
+  double min_diagonal = 1e-6;
+  double max_diagonal = 1e32;
+};
+
+/// The Gauss-Newton equations H dx = b of a graph by blocks, with landmarks apart:
+///
+///     [ H_pp  W    ] [dx_p]   [b_p]
+///     [ W'    H_ll ] [dx_l] = [b_l]
+///
+/// H_pp block sparse, H_ll block diagonal, W by landmark. Linearize once; then eliminate and solve
+/// for as many lambdas as are needed. All storage is kept between calls.
+class NormalEquations {
+ public:
+  /// H, b and the cost at the graph's present values. On failure names the edge that has no value.
+  Status Linearize(const Structure& structure, Graph* graph, ThreadPool* threads, double* cost);
+  /// The cost alone. NaN-free: an edge without a value is a status.
+  Status Cost(const Structure& structure, const Graph& graph, ThreadPool* threads, double* cost);
+
+  /// Eliminates the landmarks: the reduced system S dx_p = b_s with the damping in it. Fails on a
+  /// landmark block that is not positive definite, and names it.
+  Status Eliminate(const Structure& structure, const Graph& graph, const DampingTerm& damping,
+                   ThreadPool* threads);
+  [[nodiscard]] ReducedSystem reduced() const;
+  /// Solves the reduced system and substitutes back; Step() then holds dx.
+  Status Solve(const Structure& structure, const Graph& graph, LinearSolver* solver,
+               ThreadPool* threads, LinearSolverResult* result);
+
+  /// dx of all free variables: pose blocks, then landmarks.
+  [[nodiscard]] const std::vector<double>& step() const { return step_; }
+  /// b = -gradient, same order. Zero in coordinates that are held.
+  [[nodiscard]] double MaxGradient() const;
+  [[nodiscard]] double StepNorm() const;
+  [[nodiscard]] double MaxDiagonal() const;
+  /// b'dx and dx'D dx, of which the gain ratio is made.
+  [[nodiscard]] double GradientDotStep() const;
+  [[nodiscard]] double StepDampingStep(const Structure& structure,
+                                       const DampingTerm& damping) const;
+  /// Decrease of the model 1/2 r'r when going by dx, exact also where the reduced system was
+  /// solved only approximately: b'dx - 1/2 dx'H dx.
+  [[nodiscard]] double ModelDecrease(const Structure& structure, const DampingTerm& damping,
+                                     const LinearSolverResult& result);
+
+  [[nodiscard]] const std::vector<double>& h_pp() const { return h_pp_[0]; }
+  /// b = -gradient of all free variables, in the order of step().
+  [[nodiscard]] const std::vector<double>& b() const { return b_; }
+  [[nodiscard]] const std::vector<double>& landmark_buffer() const { return landmarks_; }
+  /// 1 for pose scalars that partial fixing holds (unit rows in H_pp).
+  [[nodiscard]] const std::vector<std::uint8_t>& held() const { return held_; }
+
+ private:
+  void Resize(const Structure& structure);
+  void LinearizeChunk(const Structure& structure, const Graph& graph, int chunk);
+  void ProjectFreeTangents(const Structure& structure, Graph* graph);
+  bool EliminateChunk(const Structure& structure, const DampingTerm& damping, int chunk);
+  void ScatterPoseBlocks(const Structure& structure, const DampingTerm& damping);
+  void ReduceChunks(int num_chunks, ThreadPool* threads);
+
+  struct Chunk {
+    double cost = 0.0;
+    int failed_pool = -1;
+    int failed_edge = -1;
+    int failed_landmark = -1;
+    std::vector<double> y;  // W H_ll^-1 of one landmark
+  };
+
+  int num_poses_scalars_ = 0;
+  int stride_ = 0;
+  std::vector<Chunk> chunks_;
+  std::vector<std::vector<double>> h_pp_;  // per chunk; [0] holds the sum
+  std::vector<std::vector<double>> b_p_;
+  std::vector<double> landmarks_;          // records, see edge_plan.h
+  std::vector<double> h_ll_inverse_;       // damped, dim x dim per landmark
+  std::vector<std::int32_t> inverse_begin_;
+  std::vector<std::vector<double>> S_;     // per chunk, column-major lower; [0] holds the sum
+  std::vector<std::vector<double>> b_s_;
+  std::vector<double> diagonal_;           // diag(H), pose scalars then landmark scalars
+  std::vector<double> b_;                  // the same order
+  std::vector<double> step_;
+  std::vector<double> residual_;
+  std::vector<std::uint8_t> held_;
+  std::vector<std::int32_t> pose_offsets_;
+};
+
+}  // namespace glissade

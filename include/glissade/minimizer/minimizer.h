@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "glissade/base/thread_pool.h"
+#include "glissade/graph/graph.h"
+#include "glissade/linear/normal_equations.h"
+#include "glissade/minimizer/options.h"
+#include "glissade/minimizer/summary.h"
+#include "glissade/structure/structure.h"
+
+namespace glissade {
+
+/// Everything a solve needs besides the graph. Keep it with its graph: structure and storage are
+/// reused, and a re-solve allocates nothing.
+struct SolverWorkspace {
+  Structure structure;
+  NormalEquations equations;
+  ThreadPool threads;
+  DenseCholeskySolver dense_cholesky;
+  PcgSolver pcg;
+  SolveSummary summary;
+
+  /// The solver of the reduced system that the options ask for.
+  LinearSolver* Solver(const SolveOptions& options);
+};
+
+/// Levenberg-Marquardt from the graph's present values. Leaves the best state found in the graph,
+/// also when it fails; the summary is in the workspace.
+const SolveSummary& Solve(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options);
+
+/// x <- x boxplus step for all free vertices (partly fixed poses in their charts).
+void ApplyStep(const Structure& structure, const std::vector<double>& step, Graph* graph);
+
+/// The damping term that the options and lambda mean.
+DampingTerm MakeDamping(const SolveOptions& options, double lambda);
+
+}  // namespace glissade

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "glissade/base/status.h"
+#include "glissade/graph/graph.h"
+
+namespace glissade {
+
+/// A free vertex of the reduced system: one block row and column of S.
+struct PoseBlock {
+  std::int32_t pool = 0;           ///< vertex pool and dense index
+  std::int32_t index = 0;
+  std::int32_t offset = 0;         ///< first scalar in b_p and S
+  std::int32_t dim = 0;            ///< tangent dimension
+  std::int32_t h_diagonal = 0;     ///< offset of its diagonal block in H_pp
+  std::int32_t free_tangent = -1;  ///< index in Graph::free_tangents(), -1: wholly free
+};
+
+/// A free eliminated vertex. Its record in the landmark buffer is laid out as edge_plan.h says.
+struct LandmarkBlock {
+  std::int32_t pool = 0;
+  std::int32_t index = 0;
+  std::int32_t dim = 0;         ///< 1 to 4
+  std::int32_t record = 0;      ///< offset of [H_ll | b_l | W ...] in the landmark buffer
+  std::int32_t step = 0;        ///< offset of its part of the landmark step
+  std::int32_t slot_begin = 0;  ///< its W blocks: slots [slot_begin, slot_end)
+  std::int32_t slot_end = 0;
+};
+
+/// One stored block of H_pp: row >= col, row-major dim(row) x dim(col).
+struct PoseBlockPair {
+  std::int32_t row = 0;
+  std::int32_t col = 0;
+  std::int32_t offset = 0;
+};
+
+/// Part of a pool's edges: a run of plan records.
+struct EdgeRun {
+  std::int32_t pool = 0;
+  std::int32_t count = 0;
+  std::int64_t begin_word = 0;
+};
+
+struct StructureOptions {
+  bool allow_duplicate_observations = false;
+};
+
+/// What follows from the graph's topology alone, without a number in it: order of the variables,
+/// edges per landmark, block sparsity, where each edge adds what, and how the work is cut.
+///
+/// Computed once and kept until the graph's structure changes. The cut into chunks depends on the
+/// problem only, never on the number of threads: same input, same bits.
+class Structure {
+ public:
+  /// Analyzes anew if the graph has changed since the last time (compacting it); cheap otherwise.
+  /// Fails, naming both edges, on an observation that is in the graph twice.
+  Status Analyze(Graph* graph, const StructureOptions& options = {});
+
+  [[nodiscard]] const std::vector<PoseBlock>& poses() const { return poses_; }
+  /// First scalar of each pose block, and their total at the end.
+  [[nodiscard]] const std::vector<std::int32_t>& pose_offsets() const { return pose_offsets_; }
+  [[nodiscard]] int num_pose_scalars() const { return pose_offsets_.back(); }
+  [[nodiscard]] const std::vector<LandmarkBlock>& landmarks() const { return landmarks_; }
+  [[nodiscard]] int num_landmark_scalars() const { return num_landmark_scalars_; }
+  [[nodiscard]] int num_edges() const { return num_edges_; }
+
+  [[nodiscard]] const std::vector<PoseBlockPair>& h_blocks() const { return h_blocks_; }
+  [[nodiscard]] std::int64_t h_size() const { return h_size_; }
+  [[nodiscard]] std::int64_t landmark_buffer_size() const { return landmark_buffer_size_; }
+  /// Pose block of each W slot, ascending within a landmark, with its scalar row and dimension.
+  [[nodiscard]] const std::vector<std::int32_t>& slot_block() const { return slot_block_; }
+  [[nodiscard]] const std::vector<std::int32_t>& slot_row() const { return slot_row_; }
+  [[nodiscard]] const std::vector<std::int32_t>& slot_dim() const { return slot_dim_; }
+  [[nodiscard]] int max_w_size() const { return max_w_size_; }
+
+  [[nodiscard]] int num_chunks() const { return num_chunks_; }
+  /// Landmarks of chunk c: [landmark_chunks()[c], landmark_chunks()[c + 1]).
+  [[nodiscard]] const std::vector<std::int32_t>& landmark_chunks() const {
+    return landmark_chunks_;
+  }
+  /// Edges of chunk c, pool by pool, in landmark order.
+  [[nodiscard]] std::span<const EdgeRun> EdgesOfChunk(int chunk) const {
+    const std::size_t pools = num_pools_;
+    return {runs_.data() + static_cast<std::size_t>(chunk) * pools, pools};
+  }
+  [[nodiscard]] const std::int32_t* Words(const EdgeRun& run) const {
+    return words_[static_cast<std::size_t>(run.pool)].data() + run.begin_word;
+  }
+  /// Offset of each vertex's step: pose blocks in [0, num_pose_scalars), landmarks after them;
+  /// -1: does not move, or is partly fixed and moved through its chart.
+  [[nodiscard]] const std::vector<std::int32_t>& step_offsets(int pool) const {
+    return step_offsets_[static_cast<std::size_t>(pool)];
+  }
+
+ private:
+  struct EdgeRef {
+    std::int32_t pool;
+    std::int32_t edge;
+  };
+
+  void NumberVariables(const Graph& graph);
+  Status FindDuplicates(const Graph& graph);
+  void ListLandmarkEdges(const Graph& graph);
+  void CutIntoChunks();
+  void LayOutLandmark(const Graph& graph, int landmark);
+  void WriteEdge(const Graph& graph, const EdgeRef& ref, int landmark);
+  std::int32_t PairOffset(std::int32_t row, std::int32_t col);
+  void GrowPairTable();
+  Status CheckSize() const;
+
+  std::uint64_t version_ = 0;
+  const Graph* graph_ = nullptr;
+  bool checked_duplicates_ = false;
+  std::vector<PoseBlock> poses_;
+  std::vector<std::int32_t> pose_offsets_{0};
+  std::vector<LandmarkBlock> landmarks_;
+  int num_landmark_scalars_ = 0;
+  int num_edges_ = 0;
+  std::size_t num_pools_ = 0;
+  std::vector<PoseBlockPair> h_blocks_;
+  std::int64_t h_size_ = 0;
+  std::int64_t landmark_buffer_size_ = 0;
+  std::vector<std::int32_t> slot_block_, slot_row_, slot_dim_;
+  int max_w_size_ = 0;
+  int num_chunks_ = 1;
+  std::vector<std::int32_t> landmark_chunks_;
+  std::vector<EdgeRun> runs_;
+  std::vector<std::vector<std::int32_t>> words_;
+  std::vector<std::vector<std::int32_t>> step_offsets_;
+
+  // Scratch, kept so that an analysis of a problem not larger than before allocates nothing.
+  std::vector<std::vector<std::int32_t>> variable_;  // pool, index -> pose block or ~landmark
+  std::vector<std::vector<std::uint8_t>> touched_;
+  std::vector<EdgeRef> landmark_edges_;  // edges by landmark, then edges without one
+  std::vector<std::int32_t> landmark_edges_begin_;
+  std::vector<std::int32_t> fill_;
+  std::vector<std::int32_t> slot_of_block_, stamp_of_block_;
+  std::vector<std::int32_t> indices_;
+  std::vector<std::int32_t> pair_table_;  // open addressing: index in h_blocks_, or -1
+  std::vector<EdgeRef> duplicate_table_;
+};
+
+}  // namespace glissade

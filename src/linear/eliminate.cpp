@@ -1,0 +1,217 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The Schur complement of NormalEquations: landmark by landmark, and back.
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "glissade/linear/normal_equations.h"
+#include "kernels/kernels.h"
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+constexpr int kColumnsPerTask = 64;
+
+}  // namespace
+
+ReducedSystem NormalEquations::reduced() const {
+  ReducedSystem system;
+  system.size = num_poses_scalars_;
+  system.offsets = pose_offsets_;
+  system.S = S_[0].data();
+  system.stride = stride_;
+  system.b = b_s_[0].data();
+  return system;
+}
+
+void NormalEquations::ScatterPoseBlocks(const Structure& structure, const DampingTerm& damping) {
+  double* S = S_[0].data();
+  for (const PoseBlockPair& pair : structure.h_blocks()) {
+    const PoseBlock& row = structure.poses()[Index(pair.row)];
+    const PoseBlock& col = structure.poses()[Index(pair.col)];
+    const double* block = h_pp_[0].data() + pair.offset;
+    double* out = S + row.offset + static_cast<std::ptrdiff_t>(col.offset) * stride_;
+    for (int c = 0; c < col.dim; ++c, out += stride_) {
+      for (int r = 0; r < row.dim; ++r) out[r] = block[r * col.dim + c];
+    }
+  }
+  for (int k = 0; k < num_poses_scalars_; ++k) {
+    double& pivot = S[k + static_cast<std::ptrdiff_t>(k) * stride_];
+    if (held_[Index(k)] != 0) {
+      pivot = 1.0;
+      continue;
+    }
+    const double d = damping.identity || damping.reduced_only
+                         ? 1.0
+                         : std::clamp(diagonal_[Index(k)], damping.min_diagonal,
+                                      damping.max_diagonal);
+    pivot += damping.lambda * d;
+  }
+}
+
+bool NormalEquations::EliminateChunk(const Structure& structure, const DampingTerm& damping,
+                                     int chunk) {
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  std::vector<double>& S = S_[Index(chunk)];
+  std::vector<double>& b_s = b_s_[Index(chunk)];
+  std::fill(S.begin(), S.end(), 0.0);
+  if (chunk == 0) {
+    ScatterPoseBlocks(structure, damping);
+    std::copy(b_p_[0].begin(), b_p_[0].end(), b_s.begin());
+  } else {
+    std::fill(b_s.begin(), b_s.end(), 0.0);
+  }
+  double* const y = chunks_[Index(chunk)].y.data();
+  for (int l = structure.landmark_chunks()[Index(chunk)];
+       l < structure.landmark_chunks()[Index(chunk) + 1]; ++l) {
+    const LandmarkBlock& landmark = structure.landmarks()[Index(l)];
+    const int dim = landmark.dim;
+    const double* H_ll = landmarks_.data() + landmark.record;
+    const double* b_l = H_ll + dim * dim;
+    const double* W = b_l + dim;
+    double* inverse = h_ll_inverse_.data() + inverse_begin_[Index(l)];
+    std::copy_n(H_ll, dim * dim, inverse);
+    if (!damping.reduced_only) {
+      for (int k = 0; k < dim; ++k) {
+        const double d = damping.identity ? 1.0
+                                          : std::clamp(H_ll[k * dim + k], damping.min_diagonal,
+                                                       damping.max_diagonal);
+        inverse[k * dim + k] += damping.lambda * d;
+      }
+    }
+    if (kernel.invert_spd_small(dim, inverse) != 0) {
+      chunks_[Index(chunk)].failed_landmark = l;
+      return false;
+    }
+    const int m = landmark.slot_end - landmark.slot_begin;
+    if (m == 0) continue;
+    const std::int32_t* row = structure.slot_row().data() + landmark.slot_begin;
+    const std::int32_t* size = structure.slot_dim().data() + landmark.slot_begin;
+    int k = 0;
+    for (int a = 0; a < m; ++a) {
+      for (int r = 0; r < size[a]; ++r, k += dim) {
+        double b = 0.0;
+        for (int c = 0; c < dim; ++c) {
+          double sum = 0.0;
+          for (int i = 0; i < dim; ++i) sum += W[k + i] * inverse[i * dim + c];
+          y[k + c] = sum;
+          b += sum * b_l[c];
+        }
+        b_s[Index(row[a] + r)] -= b;
+      }
+    }
+    kernel.schur_update(m, row, size, dim, y, W, S.data(), stride_);
+  }
+  return true;
+}
+
+void NormalEquations::ReduceChunks(int num_chunks, ThreadPool* threads) {
+  if (num_chunks == 1) return;
+  for (int c = 1; c < num_chunks; ++c) {
+    for (std::size_t k = 0; k < b_s_[0].size(); ++k) b_s_[0][k] += b_s_[Index(c)][k];
+  }
+  const int tasks = (num_poses_scalars_ + kColumnsPerTask - 1) / kColumnsPerTask;
+  threads->Run(tasks, [&](int task) {
+    const int end = std::min(num_poses_scalars_, (task + 1) * kColumnsPerTask);
+    for (int col = task * kColumnsPerTask; col < end; ++col) {
+      const std::size_t begin = Index(col) * Index(stride_);
+      for (int c = 1; c < num_chunks; ++c) {
+        const double* from = S_[Index(c)].data() + begin;
+        double* to = S_[0].data() + begin;
+        for (int r = col; r < num_poses_scalars_; ++r) to[r] += from[r];
+      }
+    }
+  });
+}
+
+Status NormalEquations::Eliminate(const Structure& structure, const Graph& graph,
+                                  const DampingTerm& damping, ThreadPool* threads) {
+  const int num_chunks = structure.num_chunks();
+  if (S_.size() < Index(num_chunks)) {
+    S_.resize(Index(num_chunks));
+    b_s_.resize(Index(num_chunks));
+  }
+  for (int c = 0; c < num_chunks; ++c) {
+    S_[Index(c)].resize(Index(num_poses_scalars_) * Index(stride_));
+    b_s_[Index(c)].resize(Index(num_poses_scalars_));
+    chunks_[Index(c)].failed_landmark = -1;
+  }
+  inverse_begin_.resize(structure.landmarks().size());
+  std::int32_t total = 0;
+  for (std::size_t l = 0; l < structure.landmarks().size(); ++l) {
+    inverse_begin_[l] = total;
+    total += structure.landmarks()[l].dim * structure.landmarks()[l].dim;
+  }
+  h_ll_inverse_.resize(Index(total));
+
+  threads->Run(num_chunks, [&](int chunk) { EliminateChunk(structure, damping, chunk); });
+  for (int c = 0; c < num_chunks; ++c) {
+    const int failed = chunks_[Index(c)].failed_landmark;
+    if (failed < 0) continue;
+    const LandmarkBlock& landmark = structure.landmarks()[Index(failed)];
+    const AnyVertex vertex = graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index);
+    return {StatusCode::kSingular,
+            "landmark " + ToString(vertex) + " has too little information to be eliminated", vertex};
+  }
+  ReduceChunks(num_chunks, threads);
+  return {};
+}
+
+Status NormalEquations::Solve(const Structure& structure, const Graph& graph, LinearSolver* solver,
+                              ThreadPool* threads, LinearSolverResult* result) {
+  *result = {};
+  if (num_poses_scalars_ > 0) {
+    *result = solver->Solve(reduced(), step_.data());
+    if (!result->ok) {
+      AnyVertex vertex;
+      for (const PoseBlock& pose : structure.poses()) {
+        const int pivot = result->failed_pivot;
+        if (pivot >= pose.offset && pivot < pose.offset + pose.dim) {
+          vertex = graph.vertex_pools()[Index(pose.pool)]->HandleAt(pose.index);
+        }
+      }
+      std::string message = "the reduced system is not positive definite";
+      if (vertex) message += " at vertex " + ToString(vertex);
+      return {StatusCode::kSingular, std::move(message), vertex};
+    }
+  } else {
+    result->ok = true;
+  }
+  // dx_l = H_ll^-1 (b_l - W' dx_p), each landmark on its own.
+  threads->Run(structure.num_chunks(), [&](int chunk) {
+    for (int l = structure.landmark_chunks()[Index(chunk)];
+         l < structure.landmark_chunks()[Index(chunk) + 1]; ++l) {
+      const LandmarkBlock& landmark = structure.landmarks()[Index(l)];
+      const int dim = landmark.dim;
+      const double* b_l = landmarks_.data() + landmark.record + dim * dim;
+      const double* W = b_l + dim;
+      double rhs[4];
+      std::copy_n(b_l, dim, rhs);
+      for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
+        const double* dx = step_.data() + structure.slot_row()[Index(s)];
+        for (int r = 0; r < structure.slot_dim()[Index(s)]; ++r, W += dim) {
+          for (int k = 0; k < dim; ++k) rhs[k] -= W[k] * dx[r];
+        }
+      }
+      const double* inverse = h_ll_inverse_.data() + inverse_begin_[Index(l)];
+      double* dx_l = step_.data() + num_poses_scalars_ + landmark.step;
+      for (int r = 0; r < dim; ++r) {
+        double sum = 0.0;
+        for (int c = 0; c < dim; ++c) sum += inverse[r * dim + c] * rhs[c];
+        dx_l[r] = sum;
+      }
+    }
+  });
+  double poison = 0.0;
+  for (const double x : step_) poison += 0.0 * x;
+  if (poison != 0.0) return {StatusCode::kNotFinite, "the step is not finite"};
+  return {};
+}
+
+}  // namespace glissade

@@ -1,0 +1,244 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/linear/normal_equations.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+Status NoValue(const Graph& graph, int pool, int edge) {
+  const AnyEdge handle = graph.edge_pools()[Index(pool)]->HandleAt(edge);
+  return {StatusCode::kEvaluationFailed,
+          "edge " + ToString(handle) + " has no finite residual or Jacobian", handle};
+}
+
+}  // namespace
+
+void NormalEquations::Resize(const Structure& structure) {
+  num_poses_scalars_ = structure.num_pose_scalars();
+  // A multiple of 8 keeps columns 64-byte aligned relative to each other.
+  stride_ = (num_poses_scalars_ + 7) / 8 * 8;
+  const std::size_t chunks = Index(structure.num_chunks());
+  if (chunks_.size() < chunks) {
+    chunks_.resize(chunks);
+    h_pp_.resize(chunks);
+    b_p_.resize(chunks);
+  }
+  for (std::size_t c = 0; c < chunks; ++c) {
+    h_pp_[c].resize(Index(structure.h_size()));
+    b_p_[c].resize(Index(num_poses_scalars_));
+    chunks_[c].y.resize(Index(structure.max_w_size()));
+  }
+  landmarks_.resize(Index(structure.landmark_buffer_size()));
+  const std::size_t size = Index(num_poses_scalars_ + structure.num_landmark_scalars());
+  diagonal_.resize(size);
+  b_.resize(size);
+  step_.assign(size, 0.0);
+  held_.assign(Index(num_poses_scalars_), 0);
+  pose_offsets_ = structure.pose_offsets();
+}
+
+void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& graph, int chunk) {
+  Chunk& out = chunks_[Index(chunk)];
+  out.cost = 0.0;
+  out.failed_edge = -1;
+  std::fill(h_pp_[Index(chunk)].begin(), h_pp_[Index(chunk)].end(), 0.0);
+  std::fill(b_p_[Index(chunk)].begin(), b_p_[Index(chunk)].end(), 0.0);
+  const auto& landmarks = structure.landmarks();
+  const auto record_of = [&](std::int32_t l) {
+    return l < static_cast<std::int32_t>(landmarks.size()) ? landmarks[Index(l)].record
+                                                           : structure.landmark_buffer_size();
+  };
+  std::fill(landmarks_.begin() + record_of(structure.landmark_chunks()[Index(chunk)]),
+            landmarks_.begin() + record_of(structure.landmark_chunks()[Index(chunk) + 1]), 0.0);
+
+  NormalEquationsSink sink;
+  sink.h_pp = h_pp_[Index(chunk)].data();
+  sink.b_p = b_p_[Index(chunk)].data();
+  sink.landmarks = landmarks_.data();
+  for (const EdgeRun& run : structure.EdgesOfChunk(chunk)) {
+    if (run.count == 0) continue;
+    const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
+    if (!pool.Linearize(structure.Words(run), run.count, &sink)) {
+      out.failed_pool = run.pool;
+      out.failed_edge = sink.failed_edge;
+      return;
+    }
+  }
+  out.cost = sink.cost;
+}
+
+Status NormalEquations::Linearize(const Structure& structure, Graph* graph, ThreadPool* threads,
+                                  double* cost) {
+  Resize(structure);
+  for (FreeTangent& tangent : graph->free_tangents()) {
+    const VertexPoolBase* pool = graph->PoolOf(tangent.vertex.type);
+    tangent.UpdateBasis(pool->Data(pool->slots().IndexOf(tangent.vertex.slot)));
+  }
+  const int num_chunks = structure.num_chunks();
+  threads->Run(num_chunks, [&](int chunk) { LinearizeChunk(structure, *graph, chunk); });
+  *cost = 0.0;
+  for (int c = 0; c < num_chunks; ++c) {
+    const Chunk& chunk = chunks_[Index(c)];
+    if (chunk.failed_edge >= 0) return NoValue(*graph, chunk.failed_pool, chunk.failed_edge);
+    *cost += chunk.cost;
+    if (c == 0) continue;
+    for (std::size_t k = 0; k < h_pp_[0].size(); ++k) h_pp_[0][k] += h_pp_[Index(c)][k];
+    for (std::size_t k = 0; k < b_p_[0].size(); ++k) b_p_[0][k] += b_p_[Index(c)][k];
+  }
+  if (!std::isfinite(*cost)) return {StatusCode::kNotFinite, "the cost is not finite"};
+  ProjectFreeTangents(structure, graph);
+
+  // diag(H) and b in one vector each.
+  for (const PoseBlock& pose : structure.poses()) {
+    for (int k = 0; k < pose.dim; ++k) {
+      const std::size_t scalar = Index(pose.offset + k);
+      diagonal_[scalar] = h_pp_[0][Index(pose.h_diagonal + k * pose.dim + k)];
+      b_[scalar] = b_p_[0][scalar];
+    }
+  }
+  for (const LandmarkBlock& landmark : structure.landmarks()) {
+    const double* record = landmarks_.data() + landmark.record;
+    for (int k = 0; k < landmark.dim; ++k) {
+      const std::size_t scalar = Index(num_poses_scalars_ + landmark.step + k);
+      diagonal_[scalar] = record[k * landmark.dim + k];
+      b_[scalar] = record[landmark.dim * landmark.dim + k];
+    }
+  }
+  return {};
+}
+
+void NormalEquations::ProjectFreeTangents(const Structure& structure, Graph* graph) {
+  if (graph->free_tangents().empty()) return;
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, 16, 16>;
+  using Block = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  // P = [E 0]: edges filled full blocks; E' goes over them once per vertex, and the coordinates
+  // that are held become unit rows, so that blocks keep their size.
+  const auto projector = [&](const PoseBlock& pose) {
+    const FreeTangent& tangent = graph->free_tangents()[Index(pose.free_tangent)];
+    RowMajor P = RowMajor::Zero(pose.dim, pose.dim);
+    for (int r = 0; r < pose.dim; ++r) {
+      for (int c = 0; c < tangent.free_dim; ++c) P(r, c) = tangent.basis[r * tangent.free_dim + c];
+    }
+    return P;
+  };
+  for (const PoseBlockPair& pair : structure.h_blocks()) {
+    const PoseBlock& row = structure.poses()[Index(pair.row)];
+    const PoseBlock& col = structure.poses()[Index(pair.col)];
+    if (row.free_tangent < 0 && col.free_tangent < 0) continue;
+    Block H(h_pp_[0].data() + pair.offset, row.dim, col.dim);
+    RowMajor product = H;
+    if (row.free_tangent >= 0) product = (projector(row).transpose() * product).eval();
+    if (col.free_tangent >= 0) product = (product * projector(col)).eval();
+    H = product;
+  }
+  for (const LandmarkBlock& landmark : structure.landmarks()) {
+    double* w = landmarks_.data() + landmark.record + landmark.dim * landmark.dim + landmark.dim;
+    for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
+      const PoseBlock& pose = structure.poses()[Index(structure.slot_block()[Index(s)])];
+      if (pose.free_tangent >= 0) {
+        Block W(w, pose.dim, landmark.dim);
+        W = (projector(pose).transpose() * W).eval();
+      }
+      w += pose.dim * landmark.dim;
+    }
+  }
+  for (const PoseBlock& pose : structure.poses()) {
+    if (pose.free_tangent < 0) continue;
+    Eigen::Map<Eigen::VectorXd> b(b_p_[0].data() + pose.offset, pose.dim);
+    b = (projector(pose).transpose() * b).eval();
+    const int free_dim = graph->free_tangents()[Index(pose.free_tangent)].free_dim;
+    for (int k = free_dim; k < pose.dim; ++k) held_[Index(pose.offset + k)] = 1;
+  }
+}
+
+Status NormalEquations::Cost(const Structure& structure, const Graph& graph, ThreadPool* threads,
+                             double* cost) {
+  const int num_chunks = structure.num_chunks();
+  threads->Run(num_chunks, [&](int c) {
+    Chunk& chunk = chunks_[Index(c)];
+    chunk.failed_edge = -1;
+    NormalEquationsSink sink;
+    for (const EdgeRun& run : structure.EdgesOfChunk(c)) {
+      if (run.count == 0) continue;
+      if (!graph.edge_pools()[Index(run.pool)]->Cost(structure.Words(run), run.count, &sink)) {
+        chunk.failed_pool = run.pool;
+        chunk.failed_edge = sink.failed_edge;
+        return;
+      }
+    }
+    chunk.cost = sink.cost;
+  });
+  *cost = 0.0;
+  for (int c = 0; c < num_chunks; ++c) {
+    const Chunk& chunk = chunks_[Index(c)];
+    if (chunk.failed_edge >= 0) return NoValue(graph, chunk.failed_pool, chunk.failed_edge);
+    *cost += chunk.cost;
+  }
+  if (!std::isfinite(*cost)) return {StatusCode::kNotFinite, "the cost is not finite"};
+  return {};
+}
+
+double NormalEquations::MaxGradient() const {
+  double largest = 0.0;
+  for (const double b : b_) largest = std::max(largest, std::abs(b));
+  return largest;
+}
+
+double NormalEquations::MaxDiagonal() const {
+  double largest = 0.0;
+  for (const double d : diagonal_) largest = std::max(largest, d);
+  return largest;
+}
+
+double NormalEquations::StepNorm() const {
+  double sum = 0.0;
+  for (const double x : step_) sum += x * x;
+  return std::sqrt(sum);
+}
+
+double NormalEquations::GradientDotStep() const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < b_.size(); ++k) sum += b_[k] * step_[k];
+  return sum;
+}
+
+double NormalEquations::StepDampingStep(const Structure& structure,
+                                        const DampingTerm& damping) const {
+  const std::size_t size =
+      damping.reduced_only ? Index(structure.num_pose_scalars()) : step_.size();
+  double sum = 0.0;
+  for (std::size_t k = 0; k < size; ++k) {
+    const double d = damping.identity || damping.reduced_only
+                         ? 1.0
+                         : std::clamp(diagonal_[k], damping.min_diagonal, damping.max_diagonal);
+    sum += d * step_[k] * step_[k];
+  }
+  return sum;
+}
+
+double NormalEquations::ModelDecrease(const Structure& structure, const DampingTerm& damping,
+                                      const LinearSolverResult& result) {
+  // With (H + lambda D) dx = b + e, e the residual of the reduced solve:
+  // b'dx - 1/2 dx'H dx = 1/2 (b'dx + lambda dx'D dx - dx'e).
+  double decrease =
+      0.5 * (GradientDotStep() + damping.lambda * StepDampingStep(structure, damping));
+  if (!result.exact) {
+    residual_.resize(Index(num_poses_scalars_));
+    const ReducedSystem system = reduced();
+    system.Multiply(step_.data(), residual_.data());
+    for (int k = 0; k < num_poses_scalars_; ++k) {
+      decrease -= 0.5 * step_[Index(k)] * (residual_[Index(k)] - system.b[k]);
+    }
+  }
+  return decrease;
+}
+
+}  // namespace glissade

@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/problem/problem.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "glissade/minimizer/minimizer.h"
+
+namespace glissade {
+
+namespace {
+std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+/// What a Problem keeps between solves, and where the step API stands.
+class Workspace {
+ public:
+  SolverWorkspace solver;
+  bool linearized = false;
+  bool solved = false;
+  bool updated = false;
+};
+
+Problem::Problem() : workspace_(std::make_unique<Workspace>()) {}
+Problem::Problem(Graph graph)
+    : Graph(std::move(graph)), workspace_(std::make_unique<Workspace>()) {}
+Problem::~Problem() = default;
+Problem::Problem(Problem&& other) noexcept
+    : Graph(std::move(other)), workspace_(std::move(other.workspace_)) {}
+Problem& Problem::operator=(Problem&& other) noexcept {
+  Graph::operator=(std::move(other));
+  workspace_ = std::move(other.workspace_);
+  return *this;
+}
+
+const SolveSummary& Problem::Solve(const SolveOptions& options) {
+  if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();  // moved from
+  workspace_->linearized = workspace_->solved = workspace_->updated = false;
+  return glissade::Solve(this, &workspace_->solver, options);
+}
+
+Status Problem::MakeHessian() {
+  if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();
+  Workspace& w = *workspace_;
+  w.linearized = w.solved = w.updated = false;
+  // Studying a graph with a doubled observation is fine; only Solve insists.
+  Status status = w.solver.structure.Analyze(this, {.allow_duplicate_observations = true});
+  if (!status.ok()) return status;
+  double cost = 0.0;
+  status = w.solver.equations.Linearize(w.solver.structure, this, &w.solver.threads, &cost);
+  w.linearized = status.ok();
+  return status;
+}
+
+Status Problem::SolveLinearSystem(double lambda, const SolveOptions& options) {
+  if (workspace_ == nullptr || !workspace_->linearized) {
+    return {StatusCode::kInvalidArgument, "SolveLinearSystem: call MakeHessian() first"};
+  }
+  if (Status status = options.Validate(); !status.ok()) return status;
+  if (!(lambda >= 0.0)) {
+    return {StatusCode::kInvalidArgument, "SolveLinearSystem: lambda must not be negative"};
+  }
+  SolverWorkspace& w = workspace_->solver;
+  workspace_->solved = false;
+  const DampingTerm damping = MakeDamping(options, lambda);
+  Status status = w.equations.Eliminate(w.structure, *this, damping, &w.threads);
+  if (!status.ok()) return status;
+  LinearSolverResult result;
+  status = w.equations.Solve(w.structure, *this, w.Solver(options), &w.threads, &result);
+  workspace_->solved = status.ok();
+  return status;
+}
+
+Status Problem::UpdateStates() {
+  if (workspace_ == nullptr || !workspace_->solved) {
+    return {StatusCode::kInvalidArgument, "UpdateStates: call SolveLinearSystem() first"};
+  }
+  SaveStates();
+  ApplyStep(workspace_->solver.structure, workspace_->solver.equations.step(), this);
+  workspace_->updated = true;
+  workspace_->solved = false;  // a step is applied once
+  return {};
+}
+
+Status Problem::RollbackStates() {
+  if (workspace_ == nullptr || !workspace_->updated) {
+    return {StatusCode::kInvalidArgument, "RollbackStates: there is no update to take back"};
+  }
+  RestoreStates();
+  workspace_->updated = false;
+  workspace_->solved = true;
+  return {};
+}
+
+std::vector<AnyVertex> Problem::FreeVertices() const {
+  std::vector<AnyVertex> vertices;
+  if (workspace_ == nullptr) return vertices;
+  const Structure& structure = workspace_->solver.structure;
+  const auto add = [&](const auto& block) {
+    vertices.push_back(vertex_pools()[Index(block.pool)]->HandleAt(block.index));
+  };
+  for (const PoseBlock& pose : structure.poses()) add(pose);
+  for (const LandmarkBlock& landmark : structure.landmarks()) add(landmark);
+  return vertices;
+}
+
+std::vector<int> Problem::FreeOffsets() const {
+  std::vector<int> offsets{0};
+  if (workspace_ == nullptr) return offsets;
+  const Structure& structure = workspace_->solver.structure;
+  for (const PoseBlock& pose : structure.poses()) {
+    const int dim = pose.free_tangent < 0
+                        ? pose.dim
+                        : free_tangents()[Index(pose.free_tangent)].free_dim;
+    offsets.push_back(offsets.back() + dim);
+  }
+  for (const LandmarkBlock& landmark : structure.landmarks()) {
+    offsets.push_back(offsets.back() + landmark.dim);
+  }
+  return offsets;
+}
+
+int Problem::DenseSize() const {
+  return workspace_ != nullptr && workspace_->linearized ? FreeOffsets().back() : 0;
+}
+
+void Problem::FillHessian(double* H) const {
+  const Structure& structure = workspace_->solver.structure;
+  const NormalEquations& equations = workspace_->solver.equations;
+  const std::vector<int> offsets = FreeOffsets();
+  const std::size_t n = Index(offsets.back());
+  std::fill_n(H, n * n, 0.0);
+  const auto set = [&](int row, int col, double value) {
+    H[Index(row) * n + Index(col)] = H[Index(col) * n + Index(row)] = value;
+  };
+  const auto free_dim = [&](std::int32_t block) {
+    return offsets[Index(block + 1)] - offsets[Index(block)];
+  };
+  for (const PoseBlockPair& pair : structure.h_blocks()) {
+    const int cols = structure.poses()[Index(pair.col)].dim;
+    for (int r = 0; r < free_dim(pair.row); ++r) {
+      for (int c = 0; c < free_dim(pair.col); ++c) {
+        set(offsets[Index(pair.row)] + r, offsets[Index(pair.col)] + c,
+            equations.h_pp()[Index(pair.offset + r * cols + c)]);
+      }
+    }
+  }
+  const std::size_t num_poses = structure.poses().size();
+  for (std::size_t l = 0; l < structure.landmarks().size(); ++l) {
+    const LandmarkBlock& landmark = structure.landmarks()[l];
+    const double* record = equations.landmark_buffer().data() + landmark.record;
+    const int begin = offsets[num_poses + l];
+    for (int r = 0; r < landmark.dim; ++r) {
+      for (int c = 0; c < landmark.dim; ++c) set(begin + r, begin + c, record[r * landmark.dim + c]);
+    }
+    const double* W = record + landmark.dim * landmark.dim + landmark.dim;
+    for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
+      const std::int32_t block = structure.slot_block()[Index(s)];
+      for (int r = 0; r < free_dim(block); ++r) {
+        for (int c = 0; c < landmark.dim; ++c) {
+          set(offsets[Index(block)] + r, begin + c, W[r * landmark.dim + c]);
+        }
+      }
+      W += structure.slot_dim()[Index(s)] * landmark.dim;
+    }
+  }
+}
+
+namespace {
+
+/// Picks the free coordinates out of a vector over the padded ones.
+void PickFree(const Structure& structure, const std::vector<int>& offsets, const double* pose_part,
+              const double* landmark_part, double* out) {
+  for (std::size_t p = 0; p < structure.poses().size(); ++p) {
+    const PoseBlock& pose = structure.poses()[p];
+    for (int k = offsets[p]; k < offsets[p + 1]; ++k) *out++ = pose_part[pose.offset + k - offsets[p]];
+  }
+  std::copy_n(landmark_part, structure.num_landmark_scalars(), out);
+}
+
+}  // namespace
+
+void Problem::FillRhs(double* b) const {
+  const SolverWorkspace& w = workspace_->solver;
+  PickFree(w.structure, FreeOffsets(), w.equations.b().data(),
+           w.equations.b().data() + w.structure.num_pose_scalars(), b);
+}
+
+void Problem::FillStep(double* dx) const {
+  const SolverWorkspace& w = workspace_->solver;
+  PickFree(w.structure, FreeOffsets(), w.equations.step().data(),
+           w.equations.step().data() + w.structure.num_pose_scalars(), dx);
+}
+
+}  // namespace glissade

@@ -1,0 +1,331 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/structure/structure.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace glissade {
+
+namespace {
+
+constexpr std::int32_t kInactive = std::numeric_limits<std::int32_t>::min();
+constexpr int kEdgesPerChunk = 1500;  // below this, handing work to a thread costs more than it saves
+constexpr int kMaxChunks = 8;         // each chunk has its own copy of H_pp and S
+
+std::size_t Index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
+  const bool must_check = !checked_duplicates_ && !options.allow_duplicate_observations;
+  if (graph_ == graph && version_ == graph->structure_version() && !must_check) return {};
+  graph_ = nullptr;
+  graph->Compact();
+  num_pools_ = graph->edge_pools().size();
+  words_.resize(num_pools_);
+  for (auto& words : words_) words.clear();
+  for (const auto& pool : graph->edge_pools()) pool->Prepare();
+
+  if (!options.allow_duplicate_observations) {
+    if (Status status = FindDuplicates(*graph); !status.ok()) return status;
+  }
+  checked_duplicates_ = !options.allow_duplicate_observations;
+  NumberVariables(*graph);
+  ListLandmarkEdges(*graph);
+  CutIntoChunks();
+
+  // Pose blocks always have their diagonal; pairs are added as edges bring them in.
+  h_blocks_.clear();
+  h_size_ = 0;
+  std::fill(pair_table_.begin(), pair_table_.end(), -1);
+  for (std::size_t k = 0; k < poses_.size(); ++k) {
+    const auto block = static_cast<std::int32_t>(k);
+    poses_[k].h_diagonal = PairOffset(block, block);
+  }
+
+  slot_block_.clear();
+  slot_row_.clear();
+  slot_dim_.clear();
+  landmark_buffer_size_ = 0;
+  max_w_size_ = 0;
+  slot_of_block_.assign(poses_.size(), 0);
+  stamp_of_block_.assign(poses_.size(), -1);
+  runs_.assign(Index(num_chunks_) * num_pools_, {});
+
+  const int num_landmarks = static_cast<int>(landmarks_.size());
+  const auto free_begin = landmark_edges_begin_[Index(num_landmarks)];
+  const auto num_without = static_cast<std::int32_t>(landmark_edges_.size()) - free_begin;
+  for (int chunk = 0; chunk < num_chunks_; ++chunk) {
+    EdgeRun* runs = runs_.data() + Index(chunk) * num_pools_;
+    for (std::size_t p = 0; p < num_pools_; ++p) {
+      runs[p] = {static_cast<std::int32_t>(p), 0, static_cast<std::int64_t>(words_[p].size())};
+    }
+    for (int l = landmark_chunks_[Index(chunk)]; l < landmark_chunks_[Index(chunk) + 1]; ++l) {
+      LayOutLandmark(*graph, l);
+      for (int k = landmark_edges_begin_[Index(l)]; k < landmark_edges_begin_[Index(l) + 1]; ++k) {
+        const EdgeRef& ref = landmark_edges_[Index(k)];
+        WriteEdge(*graph, ref, l);
+        ++runs[ref.pool].count;
+      }
+    }
+    const auto part = [&](int c) {
+      return free_begin + static_cast<std::int32_t>(std::int64_t{num_without} * c / num_chunks_);
+    };
+    for (int k = part(chunk); k < part(chunk + 1); ++k) {
+      const EdgeRef& ref = landmark_edges_[Index(k)];
+      WriteEdge(*graph, ref, -1);
+      ++runs[ref.pool].count;
+    }
+  }
+  if (Status status = CheckSize(); !status.ok()) return status;
+  graph_ = graph;
+  version_ = graph->structure_version();
+  return {};
+}
+
+void Structure::NumberVariables(const Graph& graph) {
+  const auto& pools = graph.vertex_pools();
+  variable_.resize(pools.size());
+  touched_.resize(pools.size());
+  step_offsets_.resize(pools.size());
+  for (std::size_t p = 0; p < pools.size(); ++p) {
+    variable_[p].assign(Index(pools[p]->size()), kInactive);
+    touched_[p].assign(Index(pools[p]->size()), 0);
+    step_offsets_[p].assign(Index(pools[p]->size()), -1);
+  }
+  // A vertex without edges has no information: it is left out rather than made a zero row.
+  for (const auto& pool : graph.edge_pools()) {
+    for (int edge = 0; edge < pool->size(); ++edge) {
+      const int arity = pool->arity(edge);
+      if (indices_.size() < Index(arity)) indices_.resize(Index(arity));
+      pool->DenseIndices(edge, indices_.data());
+      for (int i = 0; i < arity; ++i) {
+        touched_[Index(pool->vertex_pool(edge, i)->id())][Index(indices_[Index(i)])] = 1;
+      }
+    }
+  }
+  poses_.clear();
+  landmarks_.clear();
+  pose_offsets_.assign(1, 0);
+  num_landmark_scalars_ = 0;
+  for (std::size_t p = 0; p < pools.size(); ++p) {
+    const VertexPoolBase& pool = *pools[p];
+    const int dim = pool.ops().tangent_dim;
+    for (int k = 0; k < pool.size(); ++k) {
+      if (pool.fix(k) == Fix::kWhole || touched_[p][Index(k)] == 0) continue;
+      if (pool.eliminated(k)) {
+        variable_[p][Index(k)] = ~static_cast<std::int32_t>(landmarks_.size());
+        landmarks_.push_back({static_cast<std::int32_t>(p), k, dim, 0, num_landmark_scalars_, 0, 0});
+        num_landmark_scalars_ += dim;
+      } else {
+        variable_[p][Index(k)] = static_cast<std::int32_t>(poses_.size());
+        poses_.push_back({static_cast<std::int32_t>(p), k, pose_offsets_.back(), dim, 0, -1});
+        step_offsets_[p][Index(k)] = pose_offsets_.back();
+        pose_offsets_.push_back(pose_offsets_.back() + dim);
+      }
+    }
+  }
+  for (const LandmarkBlock& landmark : landmarks_) {
+    step_offsets_[Index(landmark.pool)][Index(landmark.index)] = num_pose_scalars() + landmark.step;
+  }
+  const auto& tangents = graph.free_tangents();
+  for (std::size_t t = 0; t < tangents.size(); ++t) {
+    const VertexPoolBase* pool = graph.PoolOf(tangents[t].vertex.type);
+    const int index = pool->slots().IndexOf(tangents[t].vertex.slot);
+    const std::int32_t block = variable_[Index(pool->id())][Index(index)];
+    if (block == kInactive) continue;
+    poses_[Index(block)].free_tangent = static_cast<std::int32_t>(t);
+    step_offsets_[Index(pool->id())][Index(index)] = -1;
+  }
+}
+
+void Structure::ListLandmarkEdges(const Graph& graph) {
+  // Counting sort of all edges by landmark; stable, so in insertion order within a landmark.
+  const std::size_t num_landmarks = landmarks_.size();
+  landmark_edges_begin_.assign(num_landmarks + 2, 0);
+  num_edges_ = 0;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::size_t p = 0; p < num_pools_; ++p) {
+      const EdgePoolBase& pool = *graph.edge_pools()[p];
+      for (int edge = 0; edge < pool.size(); ++edge) {
+        pool.DenseIndices(edge, indices_.data());
+        std::size_t bucket = num_landmarks;
+        for (int i = 0; i < pool.arity(edge); ++i) {
+          const std::int32_t v =
+              variable_[Index(pool.vertex_pool(edge, i)->id())][Index(indices_[Index(i)])];
+          if (v < 0 && v != kInactive) bucket = Index(~v);
+        }
+        if (pass == 0) {
+          ++landmark_edges_begin_[bucket + 1];
+          ++num_edges_;
+        } else {
+          landmark_edges_[Index(fill_[bucket]++)] = {static_cast<std::int32_t>(p), edge};
+        }
+      }
+    }
+    if (pass == 0) {
+      for (std::size_t l = 0; l <= num_landmarks; ++l) {
+        landmark_edges_begin_[l + 1] += landmark_edges_begin_[l];
+      }
+      landmark_edges_.resize(Index(num_edges_));
+      fill_.assign(landmark_edges_begin_.begin(), landmark_edges_begin_.end());
+    }
+  }
+}
+
+void Structure::CutIntoChunks() {
+  num_chunks_ = std::clamp(num_edges_ / kEdgesPerChunk, 1, kMaxChunks);
+  // Cut where the edges are shared out evenly.
+  const int num_landmarks = static_cast<int>(landmarks_.size());
+  const std::int64_t total = landmark_edges_begin_[Index(num_landmarks)];
+  landmark_chunks_.clear();
+  landmark_chunks_.push_back(0);
+  int l = 0;
+  for (int c = 1; c < num_chunks_; ++c) {
+    while (l < num_landmarks && landmark_edges_begin_[Index(l)] < total * c / num_chunks_) ++l;
+    landmark_chunks_.push_back(l);
+  }
+  landmark_chunks_.push_back(num_landmarks);
+}
+
+void Structure::LayOutLandmark(const Graph& graph, int landmark) {
+  LandmarkBlock& block = landmarks_[Index(landmark)];
+  block.record = static_cast<std::int32_t>(landmark_buffer_size_);
+  block.slot_begin = static_cast<std::int32_t>(slot_block_.size());
+  for (int k = landmark_edges_begin_[Index(landmark)];
+       k < landmark_edges_begin_[Index(landmark) + 1]; ++k) {
+    const EdgeRef& ref = landmark_edges_[Index(k)];
+    const EdgePoolBase& pool = *graph.edge_pools()[Index(ref.pool)];
+    pool.DenseIndices(ref.edge, indices_.data());
+    for (int i = 0; i < pool.arity(ref.edge); ++i) {
+      const std::int32_t v =
+          variable_[Index(pool.vertex_pool(ref.edge, i)->id())][Index(indices_[Index(i)])];
+      if (v >= 0 && stamp_of_block_[Index(v)] != landmark) {
+        stamp_of_block_[Index(v)] = landmark;
+        slot_block_.push_back(v);
+      }
+    }
+  }
+  block.slot_end = static_cast<std::int32_t>(slot_block_.size());
+  std::sort(slot_block_.begin() + block.slot_begin, slot_block_.begin() + block.slot_end);
+  std::int64_t offset = landmark_buffer_size_ + block.dim * block.dim + block.dim;
+  const std::int64_t w_begin = offset;
+  for (std::int32_t s = block.slot_begin; s < block.slot_end; ++s) {
+    const PoseBlock& pose = poses_[Index(slot_block_[Index(s)])];
+    slot_row_.push_back(pose.offset);
+    slot_dim_.push_back(pose.dim);
+    slot_of_block_[Index(slot_block_[Index(s)])] = static_cast<std::int32_t>(offset);
+    offset += pose.dim * block.dim;
+  }
+  max_w_size_ = std::max(max_w_size_, static_cast<int>(offset - w_begin));
+  landmark_buffer_size_ = offset;
+}
+
+void Structure::WriteEdge(const Graph& graph, const EdgeRef& ref, int landmark) {
+  const EdgePoolBase& pool = *graph.edge_pools()[Index(ref.pool)];
+  const int arity = pool.arity(ref.edge);
+  pool.DenseIndices(ref.edge, indices_.data());
+  std::vector<std::int32_t>& words = words_[Index(ref.pool)];
+  const std::size_t base = words.size();
+  words.resize(base + Index(plan::NumWords(arity)), plan::kNone);
+  std::int32_t* w = words.data() + base;
+  w[plan::kEdge] = ref.edge;
+  if (landmark >= 0) w[plan::kLandmarkRecord] = landmarks_[Index(landmark)].record;
+  const auto variable = [&](int i) {
+    return variable_[Index(pool.vertex_pool(ref.edge, i)->id())][Index(indices_[Index(i)])];
+  };
+  for (int i = 0; i < arity; ++i) {
+    const std::int32_t v = variable(i);
+    w[plan::State(i)] = indices_[Index(i)];
+    if (v == kInactive) continue;
+    if (v < 0) {
+      w[plan::Target(arity, i)] = plan::kLandmark;
+      continue;
+    }
+    w[plan::Target(arity, i)] = poses_[Index(v)].offset;
+    if (landmark >= 0) w[plan::WBlock(arity, i)] = slot_of_block_[Index(v)];
+    for (int j = 0; j <= i; ++j) {
+      const std::int32_t u = variable(j);
+      if (u < 0) continue;
+      w[plan::HBlock(arity, plan::Pair(i, j))] =
+          v >= u ? PairOffset(v, u) : plan::Transposed(PairOffset(u, v));
+    }
+  }
+}
+
+std::int32_t Structure::PairOffset(std::int32_t row, std::int32_t col) {
+  if (2 * (h_blocks_.size() + 1) > pair_table_.size()) GrowPairTable();
+  const std::size_t mask = pair_table_.size() - 1;
+  const std::uint64_t key = (static_cast<std::uint64_t>(row) << 32) | static_cast<std::uint32_t>(col);
+  std::size_t slot = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ull) >> 32) & mask;
+  for (;; slot = (slot + 1) & mask) {
+    const std::int32_t found = pair_table_[slot];
+    if (found < 0) break;
+    const PoseBlockPair& pair = h_blocks_[Index(found)];
+    if (pair.row == row && pair.col == col) return pair.offset;
+  }
+  pair_table_[slot] = static_cast<std::int32_t>(h_blocks_.size());
+  h_blocks_.push_back({row, col, static_cast<std::int32_t>(h_size_)});
+  h_size_ += std::int64_t{poses_[Index(row)].dim} * poses_[Index(col)].dim;
+  return h_blocks_.back().offset;
+}
+
+void Structure::GrowPairTable() {
+  const std::size_t size = std::max<std::size_t>(256, 2 * pair_table_.size());
+  pair_table_.assign(size, -1);
+  const std::size_t mask = size - 1;
+  for (std::size_t k = 0; k < h_blocks_.size(); ++k) {
+    const std::uint64_t key = (static_cast<std::uint64_t>(h_blocks_[k].row) << 32) |
+                              static_cast<std::uint32_t>(h_blocks_[k].col);
+    std::size_t slot = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ull) >> 32) & mask;
+    while (pair_table_[slot] >= 0) slot = (slot + 1) & mask;
+    pair_table_[slot] = static_cast<std::int32_t>(k);
+  }
+}
+
+Status Structure::CheckSize() const {
+  constexpr std::int64_t kLimit = std::numeric_limits<std::int32_t>::max();
+  if (landmark_buffer_size_ > kLimit || h_size_ > kLimit) {
+    return {StatusCode::kInvalidArgument, "problem too large: more than 2^31 numbers in H"};
+  }
+  return {};
+}
+
+Status Structure::FindDuplicates(const Graph& graph) {
+  for (std::size_t p = 0; p < num_pools_; ++p) {
+    const EdgePoolBase& pool = *graph.edge_pools()[p];
+    if (!pool.IsObservation() || pool.size() < 2) continue;
+    const int arity = pool.arity(0);
+    if (indices_.size() < Index(2 * arity)) indices_.resize(Index(2 * arity));
+    std::int32_t* a = indices_.data();
+    std::int32_t* b = a + arity;
+    std::size_t size = 64;
+    while (size < 2 * Index(pool.size())) size *= 2;
+    duplicate_table_.assign(size, {-1, -1});
+    for (int edge = 0; edge < pool.size(); ++edge) {
+      pool.DenseIndices(edge, a);
+      std::uint64_t hash = 0;
+      for (int i = 0; i < arity; ++i) {
+        hash = (hash ^ static_cast<std::uint32_t>(a[i])) * 0x9E3779B97F4A7C15ull;
+        hash ^= hash >> 29;
+      }
+      std::size_t slot = static_cast<std::size_t>(hash >> 20) & (size - 1);
+      for (; duplicate_table_[slot].edge >= 0; slot = (slot + 1) & (size - 1)) {
+        const int other = duplicate_table_[slot].edge;
+        pool.DenseIndices(other, b);
+        if (std::equal(a, a + arity, b) && pool.IsDuplicate(other, edge)) {
+          const AnyEdge first = pool.HandleAt(other), second = pool.HandleAt(edge);
+          return {StatusCode::kDuplicate,
+                  "the same observation twice: edges " + ToString(first) + " and " +
+                      ToString(second),
+                  first, second};
+        }
+      }
+      duplicate_table_[slot] = {static_cast<std::int32_t>(p), edge};
+    }
+  }
+  return {};
+}
+
+}  // namespace glissade
