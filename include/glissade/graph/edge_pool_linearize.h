@@ -8,6 +8,17 @@
 
 namespace glissade {
 
+namespace internal {
+
+/// C (m x n, row-major) += A' B. On its own because GCC 12 breaks down over the type of C where it
+/// is named inside nested generic lambdas.
+template <int R, int M, int N>
+void AddTransposedProduct(const Jacobian<R, M>& A, const Jacobian<R, N>& B, double* C) {
+  Eigen::Map<Matrix<M, N>>(C).noalias() += A.transpose().lazyProduct(B);
+}
+
+}  // namespace internal
+
 template <EdgeType E>
 bool EdgePool<E>::LinearizeOne(const std::int32_t* words, NormalEquationsSink* sink) const {
   const int edge = words[plan::kEdge];
@@ -56,50 +67,72 @@ bool EdgePool<E>::LinearizeOne(const std::int32_t* words, NormalEquationsSink* s
 }
 
 template <EdgeType E>
-void EdgePool<E>::Accumulate(const std::int32_t* words, const Vector<kRows>& r, const Jacobians& J,
-                             NormalEquationsSink* sink) const {
-  double* const record = sink->landmarks + words[plan::kLandmarkRecord];
-  ForEachIndex<kArity>([&](auto i) {
-    constexpr int kDim = EdgeVertex<E, i>::kTangentDim;
-    const std::int32_t target = words[plan::Target(kArity, i)];
-    if (target == plan::kNone) return;
-    const auto& J_i = std::get<i>(J);
+template <int I, int J>
+void EdgePool<E>::AccumulatePair(const std::int32_t* words, const Jacobians& jacobians,
+                                 NormalEquationsSink* sink) {
+  const std::int32_t offset = words[plan::HBlock(kArity, plan::Pair(I, J))];
+  if (offset == plan::kNone) return;
+  constexpr int kRow = EdgeVertex<E, I>::kTangentDim;
+  constexpr int kCol = EdgeVertex<E, J>::kTangentDim;
+  const auto& J_row = std::get<I>(jacobians);
+  const auto& J_col = std::get<J>(jacobians);
+  if (offset >= 0) {
+    Eigen::Map<Matrix<kRow, kCol>> H(sink->h_pp + offset);
+    H.noalias() += J_row.transpose().lazyProduct(J_col);
+  } else {
+    Eigen::Map<Matrix<kCol, kRow>> H(sink->h_pp + plan::Transposed(offset));
+    H.noalias() += J_col.transpose().lazyProduct(J_row);
+  }
+}
 
-    if (target == plan::kLandmark) {
-      // Landmark i: its H_ll and b_l, and W with every free vertex of the edge.
-      if constexpr (kDim <= 4) {
-        Eigen::Map<SquareMatrix<kDim>> H_ll(record);
-        Eigen::Map<Vector<kDim>> b_l(record + kDim * kDim);
-        H_ll.noalias() += J_i.transpose().lazyProduct(J_i);
-        b_l.noalias() -= J_i.transpose().lazyProduct(r);
-        ForEachIndex<kArity>([&](auto j) {
-          if constexpr (j != i) {
-            const std::int32_t w = words[plan::WBlock(kArity, j)];
-            if (w == plan::kNone) return;
-            Eigen::Map<Matrix<EdgeVertex<E, j>::kTangentDim, kDim>> W(sink->landmarks + w);
-            W.noalias() += std::get<j>(J).transpose().lazyProduct(J_i);
-          }
-        });
-      }
-      return;
+template <EdgeType E>
+template <int I, int L>
+void EdgePool<E>::AccumulateW(const std::int32_t* words, const Jacobians& jacobians,
+                              NormalEquationsSink* sink) {
+  if constexpr (I != L) {
+    const std::int32_t offset = words[plan::WBlock(kArity, I)];
+    if (offset == plan::kNone) return;
+    Eigen::Map<Matrix<EdgeVertex<E, I>::kTangentDim, EdgeVertex<E, L>::kTangentDim>> W(
+        sink->landmarks + offset);
+    W.noalias() += std::get<I>(jacobians).transpose().lazyProduct(std::get<L>(jacobians));
+  }
+}
+
+template <EdgeType E>
+template <int I>
+void EdgePool<E>::AccumulateVertex(const std::int32_t* words, const Vector<kRows>& r,
+                                   const Jacobians& jacobians, NormalEquationsSink* sink) {
+  constexpr int kDim = EdgeVertex<E, I>::kTangentDim;
+  const std::int32_t target = words[plan::Target(kArity, I)];
+  if (target == plan::kNone) return;
+  const auto& J_i = std::get<I>(jacobians);
+  if (target == plan::kLandmark) {
+    // Its H_ll and b_l, and W with every free vertex of the edge.
+    if constexpr (kDim <= 4) {
+      double* const record = sink->landmarks + words[plan::kLandmarkRecord];
+      Eigen::Map<SquareMatrix<kDim>> H_ll(record);
+      Eigen::Map<Vector<kDim>> b_l(record + kDim * kDim);
+      H_ll.noalias() += J_i.transpose().lazyProduct(J_i);
+      b_l.noalias() -= J_i.transpose().lazyProduct(r);
+      [&]<int... K>(std::integer_sequence<int, K...>) {
+        (AccumulateW<K, I>(words, jacobians, sink), ...);
+      }(std::make_integer_sequence<int, kArity>{});
     }
+    return;
+  }
+  Eigen::Map<Vector<kDim>> b(sink->b_p + target);
+  b.noalias() -= J_i.transpose().lazyProduct(r);
+  [&]<int... K>(std::integer_sequence<int, K...>) {
+    (AccumulatePair<I, K>(words, jacobians, sink), ...);
+  }(std::make_integer_sequence<int, I + 1>{});
+}
 
-    Eigen::Map<Vector<kDim>> b(sink->b_p + target);
-    b.noalias() -= J_i.transpose().lazyProduct(r);
-    ForEachIndex<i + 1>([&](auto j) {
-      const std::int32_t offset = words[plan::HBlock(kArity, plan::Pair(i, j))];
-      if (offset == plan::kNone) return;
-      constexpr int kOther = EdgeVertex<E, j>::kTangentDim;
-      const auto& J_j = std::get<j>(J);
-      if (offset >= 0) {
-        Eigen::Map<Matrix<kDim, kOther>> H(sink->h_pp + offset);
-        H.noalias() += J_i.transpose().lazyProduct(J_j);
-      } else {
-        Eigen::Map<Matrix<kOther, kDim>> H(sink->h_pp + plan::Transposed(offset));
-        H.noalias() += J_j.transpose().lazyProduct(J_i);
-      }
-    });
-  });
+template <EdgeType E>
+void EdgePool<E>::Accumulate(const std::int32_t* words, const Vector<kRows>& r,
+                             const Jacobians& jacobians, NormalEquationsSink* sink) {
+  [&]<int... I>(std::integer_sequence<int, I...>) {
+    (AccumulateVertex<I>(words, r, jacobians, sink), ...);
+  }(std::make_integer_sequence<int, kArity>{});
 }
 
 }  // namespace glissade
