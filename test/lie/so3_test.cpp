@@ -74,6 +74,10 @@ TEST(So3, ExpAndJacobiansEqualTheirSeries) {
       EXPECT_LT(Error(RotationMatrix(so3::ExpQuaternion(phi).coeffs().data()), Series(A, 0)),
                 8 * kEps);
       EXPECT_LT(Error(so3::Jl(phi), Jl), 8 * kEps);
+      Matrix3 R, left;
+      so3::ExpAndJl(phi, R, left);
+      EXPECT_EQ(R, so3::Exp(phi));
+      EXPECT_EQ(left, so3::Jl(phi));
       EXPECT_LT(Error(so3::Jr(phi), Jl.transpose()), 8 * kEps);
       if (angle > 4.5) continue;  // towards 2 pi Jl becomes singular
       EXPECT_LT(Error(so3::JlInverse(phi), Jl.inverse()), 16 * kEps);
@@ -101,9 +105,10 @@ TEST(So3, SmallCoefficientsKeepTheirRelativeAccuracy) {
     const auto relative = [](double a, long double b) {
       return static_cast<double>(std::abs(a / b - 1.0L));
     };
-    EXPECT_LT(relative(so3::internal::SinOverT(x), sine), 4 * kEps);
-    EXPECT_LT(relative(so3::internal::OneMinusCosOverT2(x), one_minus_cos), 4 * kEps);
-    EXPECT_LT(relative(so3::internal::TMinusSinOverT3(x), t_minus_sin), 60 * kEps);
+    const so3::internal::Coefficients k = so3::internal::CoefficientsAt(x);
+    EXPECT_LT(relative(k.a, sine), 12 * kEps);  // at 3, where the sine is small
+    EXPECT_LT(relative(k.b, one_minus_cos), 4 * kEps);
+    EXPECT_LT(relative(k.c, t_minus_sin), 60 * kEps);
     // 1 - (t/2) cot(t/2) = (sin - (t/2) cos) / sin of the half angle; by series, as cancellation
     // would spoil even long double: sin h - h cos h = sum (-1)^k+1 2k h^(2k+1) / (2k+1)!.
     const long double h = tl / 2;

@@ -29,7 +29,9 @@ struct EdgeBal {
     const double* c = camera.data;
     const Vector3 omega(c[0], c[1], c[2]);
     const double f = c[6], k1 = c[7], k2 = c[8];
-    const Matrix3 R = so3::Exp(omega);
+    // d(Exp(w) X)/dw = -[R X]x Jl(w); regular at w = 0.
+    Matrix3 R, Jl;
+    so3::ExpAndJl(omega, R, Jl);
     const Vector3 rotated = R * point.p();
     const Vector3 x_c = rotated + Eigen::Map<const Vector3>(c + 3);
     if (x_c[2] == 0.0) return false;
@@ -53,8 +55,6 @@ struct EdgeBal {
     d_r_d_c *= minus_inv_z;
 
     if (d_r_d_camera) {
-      // d(Exp(w) X)/dw = -[R X]x Jl(w); regular at w = 0.
-      const Matrix3 Jl = so3::Jl(omega);
       for (int row = 0; row < 2; ++row) {
         d_r_d_camera->row(row).head<3>() =
             rotated.cross(Vector3(d_r_d_c.row(row))).transpose() * Jl;

@@ -22,37 +22,36 @@ namespace internal {
 // closed forms have begun to cancel. They also spare the optimizer's small steps every sin and cos.
 inline constexpr double kSeriesLimit = 0.25;
 
-/// sin(t) / t of x = t^2.
-inline double SinOverT(double x) {
-  if (x < kSeriesLimit) {
-    constexpr double c1 = 1.0 / 6, c2 = c1 / 20, c3 = c2 / 42, c4 = c3 / 72, c5 = c4 / 110,
-                     c6 = c5 / 156;
-    return 1 - x * (c1 - x * (c2 - x * (c3 - x * (c4 - x * (c5 - x * c6)))));
-  }
-  const double t = std::sqrt(x);
-  return std::sin(t) / t;
+/// Coefficients of x = t^2, t the angle: Exp is I + a [phi]x + b [phi]x^2, its Jacobians are
+/// I +- b [phi]x + c [phi]x^2.
+struct Coefficients {
+  double a;  ///< sin(t) / t
+  double b;  ///< (1 - cos(t)) / t^2
+  double c;  ///< (t - sin(t)) / t^3
+};
+
+/// 1/n! - x/(n+2)! + x^2/(n+4)! - ..., for x < kSeriesLimit.
+template <int N>
+double FactorialSeries(double x) {
+  constexpr double c0 = [] {
+    double factorial = 1.0;
+    for (int i = 2; i <= N; ++i)
+      factorial *= i;
+    return 1.0 / factorial;
+  }();
+  constexpr double c1 = c0 / ((N + 1) * (N + 2)), c2 = c1 / ((N + 3) * (N + 4)),
+                   c3 = c2 / ((N + 5) * (N + 6)), c4 = c3 / ((N + 7) * (N + 8)),
+                   c5 = c4 / ((N + 9) * (N + 10)), c6 = c5 / ((N + 11) * (N + 12));
+  return c0 - x * (c1 - x * (c2 - x * (c3 - x * (c4 - x * (c5 - x * c6)))));
 }
 
-/// (1 - cos(t)) / t^2 of x = t^2.
-inline double OneMinusCosOverT2(double x) {
-  if (x < kSeriesLimit) {
-    constexpr double c0 = 0.5, c1 = c0 / 12, c2 = c1 / 30, c3 = c2 / 56, c4 = c3 / 90,
-                     c5 = c4 / 132, c6 = c5 / 182;
-    return c0 - x * (c1 - x * (c2 - x * (c3 - x * (c4 - x * (c5 - x * c6)))));
-  }
-  const double s = std::sin(0.5 * std::sqrt(x));  // 2 sin^2(t/2) does not cancel
-  return 2.0 * s * s / x;
-}
-
-/// (t - sin(t)) / t^3 of x = t^2.
-inline double TMinusSinOverT3(double x) {
-  if (x < kSeriesLimit) {
-    constexpr double c0 = 1.0 / 6, c1 = c0 / 20, c2 = c1 / 42, c3 = c2 / 72, c4 = c3 / 110,
-                     c5 = c4 / 156, c6 = c5 / 210;
-    return c0 - x * (c1 - x * (c2 - x * (c3 - x * (c4 - x * (c5 - x * c6)))));
-  }
+inline Coefficients CoefficientsAt(double x) {
+  if (x < kSeriesLimit)
+    return {FactorialSeries<1>(x), FactorialSeries<2>(x), FactorialSeries<3>(x)};
+  // In half angles: 2 sin^2(t/2) does not cancel, and one call of sincos serves all three.
   const double t = std::sqrt(x);
-  return (t - std::sin(t)) / (x * t);
+  const double s = std::sin(0.5 * t), a = 2.0 * s * std::cos(0.5 * t) / t;
+  return {a, 2.0 * s * s / x, (1.0 - a) / x};
 }
 
 /// (1 - (t/2) cot(t/2)) / t^2 of x = t^2. In half angles, so that t = pi is nothing special.
@@ -92,17 +91,22 @@ inline Matrix3 Hat(const Vector3& v) {
 
 /// Rotation matrix of a rotation vector (Rodrigues' formula).
 inline Matrix3 Exp(const Vector3& phi) {
-  const double x = phi.squaredNorm();
-  return internal::Polynomial(phi, internal::SinOverT(x), internal::OneMinusCosOverT2(x));
+  const internal::Coefficients k = internal::CoefficientsAt(phi.squaredNorm());
+  return internal::Polynomial(phi, k.a, k.b);
 }
 
 /// Unit quaternion of a rotation vector; w >= 0 for |phi| <= pi.
 inline Quaternion ExpQuaternion(const Vector3& phi) {
   const double x = 0.25 * phi.squaredNorm();  // square of the half angle
-  const double s = 0.5 * internal::SinOverT(x);
-  // cos(t) = 1 - 2 sin^2(t/2), whichever way the sine comes about.
-  const double w = x < internal::kSeriesLimit ? 1.0 - x * internal::OneMinusCosOverT2(x)
-                                              : std::cos(std::sqrt(x));
+  double w, s;
+  if (x < internal::kSeriesLimit) {
+    w = 1.0 - x * internal::FactorialSeries<2>(x);
+    s = 0.5 * internal::FactorialSeries<1>(x);
+  } else {
+    const double half = std::sqrt(x);
+    w = std::cos(half);
+    s = 0.5 * std::sin(half) / half;
+  }
   return Quaternion(w, s * phi[0], s * phi[1], s * phi[2]);
 }
 
@@ -135,14 +139,21 @@ inline Vector3 Log(const Matrix3& R) {
 
 /// Right Jacobian: Exp(phi + d) = Exp(phi) Exp(Jr(phi) d) to first order in d.
 inline Matrix3 Jr(const Vector3& phi) {
-  const double x = phi.squaredNorm();
-  return internal::Polynomial(phi, -internal::OneMinusCosOverT2(x), internal::TMinusSinOverT3(x));
+  const internal::Coefficients k = internal::CoefficientsAt(phi.squaredNorm());
+  return internal::Polynomial(phi, -k.b, k.c);
 }
 
 /// Left Jacobian: Exp(phi + d) = Exp(Jl(phi) d) Exp(phi) to first order in d.
 inline Matrix3 Jl(const Vector3& phi) {
-  const double x = phi.squaredNorm();
-  return internal::Polynomial(phi, internal::OneMinusCosOverT2(x), internal::TMinusSinOverT3(x));
+  const internal::Coefficients k = internal::CoefficientsAt(phi.squaredNorm());
+  return internal::Polynomial(phi, k.b, k.c);
+}
+
+/// Exp(phi) and Jl(phi) for the price of one.
+inline void ExpAndJl(const Vector3& phi, Matrix3& R, Matrix3& left_jacobian) {
+  const internal::Coefficients k = internal::CoefficientsAt(phi.squaredNorm());
+  R = internal::Polynomial(phi, k.a, k.b);
+  left_jacobian = internal::Polynomial(phi, k.b, k.c);
 }
 
 /// Inverse right Jacobian: Log(Exp(phi) Exp(d)) = phi + JrInverse(phi) d to first order in d.
