@@ -18,10 +18,6 @@ Status About(const Status& status, std::string_view subject) {
   return {status.code(), std::move(message), status.vertex()};
 }
 
-bool AllFinite(const double* data, int size) {
-  return std::all_of(data, data + size, [](double x) { return std::isfinite(x); });
-}
-
 }  // namespace internal
 
 namespace {

@@ -41,8 +41,11 @@ class EdgePool final : public EdgePoolBase {
 
   explicit EdgePool(const Pools& pools) : EdgePoolBase(&kTypeInfo<E>), pools_(pools) {}
 
+  // No Eigen type in any public signature: pools of built-in edges are compiled in the library
+  // only (builtin_pools.h), which knows Eigen under another name.
+  /// sqrt_information: kRows x kRows, row-major.
   EdgeHandle<E> Add(const E& edge, const EdgeVertexHandles<E>& vertices,
-                    const SqrtInformation& sqrt_information, bool identity, const Loss& loss) {
+                    const double* sqrt_information, bool identity, const Loss& loss) {
     const auto address = slots_.Add();
     edges_.push_back(edge);
     Addresses addresses;
@@ -50,7 +53,7 @@ class EdgePool final : public EdgePoolBase {
       addresses[i] = {std::get<i>(vertices).slot, std::get<i>(vertices).generation};
     });
     vertices_.push_back(addresses);
-    sqrt_information_.push_back(sqrt_information);
+    sqrt_information_.emplace_back(sqrt_information);
     identity_.push_back(identity ? 1 : 0);
     loss_of_edge_.push_back(FindOrAddLoss(loss));
     return {address.slot, address.generation};
@@ -58,11 +61,12 @@ class EdgePool final : public EdgePoolBase {
 
   [[nodiscard]] const E& At(int edge) const { return edges_[Index(edge)]; }
   [[nodiscard]] E& At(int edge) { return edges_[Index(edge)]; }
-  [[nodiscard]] const SqrtInformation& sqrt_information(int edge) const {
-    return sqrt_information_[Index(edge)];
+  [[nodiscard]] const double* sqrt_information(int edge) const {
+    return sqrt_information_[Index(edge)].data();
   }
-  void set_sqrt_information(int edge, const SqrtInformation& value, bool identity) {
-    sqrt_information_[Index(edge)] = value;
+  [[nodiscard]] bool HasIdentityInformation(int edge) const { return identity_[Index(edge)] != 0; }
+  void set_sqrt_information(int edge, const double* value, bool identity) {
+    sqrt_information_[Index(edge)] = SqrtInformation(value);
     identity_[Index(edge)] = identity ? 1 : 0;
   }
   [[nodiscard]] const Pools& pools() const { return pools_; }
@@ -110,7 +114,7 @@ class EdgePool final : public EdgePoolBase {
 
   void Whiten(int edge, double* residual, double* const* jacobians) const override {
     if (identity_[Index(edge)] != 0) return;
-    const SqrtInformation& L = sqrt_information(edge);
+    const SqrtInformation& L = sqrt_information_[Index(edge)];
     Eigen::Map<Vector<kRows>> r(residual);
     r = (L * r).eval();
     if (jacobians == nullptr) return;
@@ -248,12 +252,21 @@ class EdgePool final : public EdgePoolBase {
 
   double WhitenedSquaredNorm(int edge, const Vector<kRows>& r) const {
     if (identity_[Index(edge)] != 0) return r.squaredNorm();
-    return (sqrt_information(edge) * r).squaredNorm();
+    return (sqrt_information_[Index(edge)] * r).squaredNorm();
   }
 
   bool LinearizeOne(const std::int32_t* words, NormalEquationsSink* sink) const;
-  void Accumulate(const std::int32_t* words, const Vector<kRows>& r, const Jacobians& J,
-                  NormalEquationsSink* sink) const;
+  static void Accumulate(const std::int32_t* words, const Vector<kRows>& r,
+                         const Jacobians& jacobians, NormalEquationsSink* sink);
+  template <int I>
+  static void AccumulateVertex(const std::int32_t* words, const Vector<kRows>& r,
+                               const Jacobians& jacobians, NormalEquationsSink* sink);
+  template <int I, int J>
+  static void AccumulatePair(const std::int32_t* words, const Jacobians& jacobians,
+                             NormalEquationsSink* sink);
+  template <int I, int L>
+  static void AccumulateW(const std::int32_t* words, const Jacobians& jacobians,
+                          NormalEquationsSink* sink);
 
   Pools pools_;
   std::vector<E> edges_;

@@ -38,7 +38,7 @@ bool EdgePool<E>::LinearizeOne(const std::int32_t* words, NormalEquationsSink* s
     });
   };
   if (identity_[Index(edge)] == 0) {
-    const SqrtInformation& L = sqrt_information(edge);
+    const SqrtInformation& L = sqrt_information_[Index(edge)];
     r = (L.lazyProduct(r)).eval();
     for_free([&](auto& block) { block = (L.lazyProduct(block)).eval(); });
   }

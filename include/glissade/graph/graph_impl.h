@@ -7,6 +7,7 @@
 #include <array>
 #include <string>
 
+#include "glissade/base/validate.h"
 #include "glissade/graph/graph.h"
 
 namespace glissade {
@@ -27,7 +28,6 @@ Status ValidateIfPossible(const T& value) {
 
 /// Prefixes a status with what it is about; ok stays ok.
 Status About(const Status& status, std::string_view subject);
-bool AllFinite(const double* data, int size);
 
 }  // namespace internal
 
@@ -100,7 +100,7 @@ Result<EdgeHandle<E>> Graph::AddEdge(const E& edge, const EdgeVertexHandles<E>& 
   if (status.ok()) status = options.loss.Validate();
   if (!status.ok()) return internal::About(status, kTypeInfo<E>.name);
   StructureChanged();
-  return MakeEdgePool<E>().Add(edge, vertices, sqrt, identity, options.loss);
+  return MakeEdgePool<E>().Add(edge, vertices, sqrt.data(), identity, options.loss);
 }
 
 template <EdgeType E>
@@ -172,7 +172,7 @@ Status Graph::SetSqrtInformation(EdgeHandle<E> edge, const SquareMatrix<E::kResi
       std::optional(sqrt), std::nullopt, &checked, &identity);
   if (!status.ok()) return {status.code(), status.message(), AnyEdge(edge)};
   EdgePool<E>* pool = Pool<E>();
-  pool->set_sqrt_information(pool->slots().IndexOf(edge.slot), checked, identity);
+  pool->set_sqrt_information(pool->slots().IndexOf(edge.slot), checked.data(), identity);
   return {};
 }
 

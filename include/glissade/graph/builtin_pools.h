@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// \file
+/// Pools of the built-in types are compiled once, in the library. Including this header keeps a
+/// consumer's translation unit from compiling them again.
+
+#include "glissade/edges/bal.h"
+#include "glissade/edges/pose_prior_vec.h"
+#include "glissade/edges/relative_pose.h"
+#include "glissade/edges/reprojection.h"
+#include "glissade/edges/reprojection_extrinsic.h"
+#include "glissade/edges/reprojection_xyz.h"
+#include "glissade/edges/se3_prior.h"
+#include "glissade/graph/edge_pool.h"
+
+namespace glissade {
+
+extern template class EdgePool<EdgeReprojection>;
+extern template class EdgePool<EdgeReprojectionExtrinsic>;
+extern template class EdgePool<EdgeReprojectionXYZ>;
+extern template class EdgePool<EdgeSE3Prior>;
+extern template class EdgePool<EdgePosePriorVec>;
+extern template class EdgePool<EdgeRelativePose>;
+extern template class EdgePool<EdgeBal>;
+
+extern template class VertexPool<VertexPose>;
+extern template class VertexPool<VertexInverseDepth>;
+extern template class VertexPool<VertexPointXYZ>;
+extern template class VertexPool<VertexCameraBal>;
+
+}  // namespace glissade

@@ -1,0 +1,11 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/graph/builtin_pools.h"
+
+namespace glissade {
+
+template class EdgePool<EdgeReprojection>;
+template class EdgePool<EdgeReprojectionExtrinsic>;
+template class EdgePool<EdgeReprojectionXYZ>;
+
+}  // namespace glissade
