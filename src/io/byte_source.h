@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "glissade/base/status.h"
+
+namespace glissade::internal {
+
+/// The bytes of a file, decompressed where it is gzip or bzip2.
+class ByteSource {
+ public:
+  virtual ~ByteSource() = default;
+  /// Reads up to `size` bytes. Returns how many, 0 at the end, -1 on failure: then *why says what.
+  virtual std::ptrdiff_t Read(char* to, std::size_t size, std::string* why) = 0;
+};
+
+/// Opens a file. What it is (plain, gzip, bzip2) is told by its first bytes, not by its name.
+Result<std::unique_ptr<ByteSource>> OpenByteSource(const std::string& path);
+
+}  // namespace glissade::internal
