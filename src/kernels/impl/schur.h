@@ -18,44 +18,94 @@ namespace {
 // Rows of Y transposed at a time where dl > 1; longer runs are cut.
 constexpr int kRunRows = 128;
 
-/// s(0:rows, 0:columns) -= sum_k y(:, k) w(c, k); y is column-major, w row-major columns x dl.
+/// One vector of rows of all columns: s(0:kW, c) -= sum_k y(:, k) w(c, k), the first `last` lanes.
+template <int kDl, bool kPartial>
+GLISSADE_INLINE void LaneUpdate(const vd (&y)[kDl], const double* w, double* p, int last) {
+  vd x = kPartial ? LoadPartial(p, last) : Load(p);
+#pragma GCC unroll 4
+  for (int k = 0; k < kDl; ++k)
+    x -= y[k] * Splat(w[k]);
+  if (kPartial) {
+    StorePartial(p, x, last);
+  } else {
+    Store(p, x);
+  }
+}
+
+template <int kColumns, int kDl, bool kPartial>
+GLISSADE_INLINE void RowsUpdate(int columns, const double* y, Index ldy, const double* w, double* s,
+                                Index lds, int last) {
+  vd yi[kDl];
+#pragma GCC unroll 4
+  for (int k = 0; k < kDl; ++k) {
+    yi[k] = kPartial ? LoadPartial(y + k * ldy, last) : Load(y + k * ldy);
+  }
+  if (kColumns > 0) {
+#pragma GCC unroll 16
+    for (int c = 0; c < kColumns; ++c) {
+      LaneUpdate<kDl, kPartial>(yi, w + c * kDl, s + c * lds, last);
+    }
+  } else {
+#pragma GCC unroll 1
+    for (int c = 0; c < columns; ++c) {
+      LaneUpdate<kDl, kPartial>(yi, w + c * kDl, s + c * lds, last);
+    }
+  }
+}
+
+/// s(0:rows, 0:columns) -= y w'; y is column-major rows x dl, w row-major columns x dl.
 /// kColumns 0: the count is the argument.
 template <int kColumns, int kDl>
-GLISSADE_INLINE void RunUpdate(int rows, int columns, const double* y, Index ldy, const double* w,
-                               double* s, Index lds) {
-  const int n = kColumns > 0 ? kColumns : columns;
+__attribute__((noinline)) void RunUpdate(int rows, int columns, const double* y, Index ldy,
+                                         const double* w, double* s, Index lds) {
   int i = 0;
 #pragma GCC unroll 1
   for (; i + kW <= rows; i += kW) {
-    vd yi[kDl];
-#pragma GCC unroll 4
-    for (int k = 0; k < kDl; ++k)
-      yi[k] = Load(y + i + k * ldy);
-#pragma GCC unroll 16
-    for (int c = 0; c < n; ++c) {
-      double* p = s + i + c * lds;
-      vd x = Load(p);
-#pragma GCC unroll 4
-      for (int k = 0; k < kDl; ++k)
-        x -= yi[k] * Splat(w[c * kDl + k]);
-      Store(p, x);
-    }
+    RowsUpdate<kColumns, kDl, false>(columns, y + i, ldy, w, s + i, lds, kW);
   }
-  if (i < rows) {
-    const int last = rows - i;
-    vd yi[kDl];
+  if (i < rows) RowsUpdate<kColumns, kDl, true>(columns, y + i, ldy, w, s + i, lds, rows - i);
+}
+
+/// One block row of kDim rows, on its own in S, against the block columns 0 .. blocks - 1:
+/// everything unrolled, Y in registers. yt is column-major (ldy), w the blocks of W from the first
+/// one on.
+template <int kDim, int kDl>
+__attribute__((noinline)) void BlockRowUpdate(int blocks, const int32_t* row_offset,
+                                              const double* yt, Index ldy, const double* w,
+                                              double* s, Index lds) {
+  constexpr int kFull = kDim / kW;
+  constexpr int kLast = kDim % kW;
+  vd y[kDl][kFull + 1];
 #pragma GCC unroll 4
-    for (int k = 0; k < kDl; ++k)
-      yi[k] = LoadPartial(y + i + k * ldy, last);
+  for (int k = 0; k < kDl; ++k) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kFull; ++v)
+      y[k][v] = Load(yt + k * ldy + v * kW);
+    if (kLast > 0) y[k][kFull] = LoadFirst<kLast>(yt + k * ldy + kFull * kW);
+  }
+#pragma GCC unroll 1
+  for (int b = 0; b < blocks; ++b) {
+    double* column = s + row_offset[b] * lds;
 #pragma GCC unroll 16
-    for (int c = 0; c < n; ++c) {
-      double* p = s + i + c * lds;
-      vd x = LoadPartial(p, last);
+    for (int c = 0; c < kDim; ++c) {
+#pragma GCC unroll 8
+      for (int v = 0; v < kFull; ++v) {
+        vd x = Load(column + v * kW);
 #pragma GCC unroll 4
-      for (int k = 0; k < kDl; ++k)
-        x -= yi[k] * Splat(w[c * kDl + k]);
-      StorePartial(p, x, last);
+        for (int k = 0; k < kDl; ++k)
+          x -= y[k][v] * Splat(w[c * kDl + k]);
+        Store(column + v * kW, x);
+      }
+      if (kLast > 0) {
+        vd x = LoadFirst<kLast>(column + kFull * kW);
+#pragma GCC unroll 4
+        for (int k = 0; k < kDl; ++k)
+          x -= y[k][kFull] * Splat(w[c * kDl + k]);
+        StoreFirst<kLast>(column + kFull * kW, x);
+      }
+      column += lds;
     }
+    w += kDim * kDl;
   }
 }
 
@@ -86,6 +136,14 @@ void SchurUpdateFor(int m, const int32_t* row_offset, const int32_t* dim, const 
     // Every block column that reaches it; those inside the run start at their own diagonal.
     const double* wb = w;
     double* s_run = s + row_offset[first];
+    if constexpr (kDim > 0) {
+      if (end == first + 1) {
+        BlockRowUpdate<kDim, kDl>(end, row_offset, yt, kRunRows, w, s_run, lds);
+        y += rows * kDl;
+        first = end;
+        continue;
+      }
+    }
     for (int b = 0; b < first; ++b) {
       const int columns = kDim > 0 ? kDim : dim[b];
       RunUpdate<kDim, kDl>(rows, columns, yt, kRunRows, wb, s_run + row_offset[b] * lds, lds);

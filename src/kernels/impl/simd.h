@@ -87,6 +87,25 @@ GLISSADE_INLINE void StorePartial(double* p, vd v, int count) {
 #endif
 }
 
+/// LoadPartial with the count known to the compiler.
+template <int kCount>
+GLISSADE_INLINE vd LoadFirst(const double* p) {
+#if GLISSADE_KERNEL_WIDTH == 4
+  if (kCount == 1) return vd{p[0], 0.0, 0.0, 0.0};
+  if (kCount == 2) return vd{p[0], p[1], 0.0, 0.0};
+#endif
+  return kCount == kW ? Load(p) : LoadPartial(p, kCount);
+}
+
+template <int kCount>
+GLISSADE_INLINE void StoreFirst(double* p, vd v) {
+  if (kCount == kW) {
+    Store(p, v);
+  } else {
+    StorePartial(p, v, kCount);
+  }
+}
+
 /// Sum of the lanes, pairwise.
 GLISSADE_INLINE double Sum(vd v) {
 #if GLISSADE_KERNEL_WIDTH == 8
