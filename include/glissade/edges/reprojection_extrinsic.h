@@ -40,12 +40,7 @@ struct EdgeReprojectionExtrinsicOf {
     if (d_r_d_host) d.Host(*d_r_d_host);
     if (d_r_d_target) d.Target(*d_r_d_target);
     if (d_r_d_rho) d.InverseDepth(host.pose, target.pose, *d_r_d_rho);
-    if (d_r_d_extrinsic) {
-      Jacobian<2, 6> as_target;
-      d.HostExtrinsic(*d_r_d_extrinsic);
-      d.TargetExtrinsic(as_target);
-      *d_r_d_extrinsic += as_target;
-    }
+    if (d_r_d_extrinsic) d.SharedExtrinsic(*d_r_d_extrinsic);
     return true;
   }
 

@@ -90,21 +90,21 @@ struct TwoViewDerivatives {
     d_r_d_rho.noalias() -= d_bj * point.t_bj_c;
   }
 
-  /// With respect to the tangent of T_bi_c as the host's extrinsic.
-  void HostExtrinsic(Jacobian<2, 6>& d_r_d_extrinsic) const {
+  /// With respect to the tangent of T_b_c where host and target are seen by the same camera: it
+  /// brings the bearing into body i and the point out of body j.
+  void SharedExtrinsic(Jacobian<2, 6>& d_r_d_extrinsic) const {
     const Matrix<2, 3> d_ci = d_bi * point.R_bi_c;
     for (int row = 0; row < 2; ++row) {
-      d_r_d_extrinsic.row(row).head<3>() = point.rho * d_bi.row(row);
-      d_r_d_extrinsic.row(row).tail<3>() = point.bearing.cross(Vector3(d_ci.row(row))).transpose();
+      d_r_d_extrinsic.row(row).head<3>() = point.rho * (d_bi.row(row) - d_bj.row(row));
+      d_r_d_extrinsic.row(row).tail<3>() =
+          (point.bearing.cross(Vector3(d_ci.row(row))) + Vector3(d_c.row(row)).cross(point.q))
+              .transpose();
     }
   }
 
-  /// With respect to the tangent of T_bj_c as the target's extrinsic.
-  void TargetExtrinsic(Jacobian<2, 6>& d_r_d_extrinsic) const {
-    for (int row = 0; row < 2; ++row) {
-      d_r_d_extrinsic.row(row).head<3>() = -point.rho * d_bj.row(row);
-      d_r_d_extrinsic.row(row).tail<3>() = Vector3(d_c.row(row)).cross(point.q).transpose();
-    }
+  /// With respect to uv_host.
+  void HostObservation(Matrix2& d_r_d_uv_host) const {
+    d_r_d_uv_host.noalias() = d_bi * point.R_bi_c.leftCols<2>();
   }
 };
 

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "glissade/base/validate.h"
+#include "glissade/cameras/identity.h"
+#include "glissade/edges/concept.h"
+#include "glissade/edges/timed_observation.h"
+#include "glissade/edges/two_view_point.h"
+#include "glissade/vertices/vector.h"
+
+namespace glissade {
+
+/// EdgeReprojection with both the extrinsic and the time offset of the camera as vertices: online
+/// calibration in space and time.
+///
+/// Vertices: T_W_Bi, T_W_Bj, rho, T_B_C, td (s); see EdgeReprojectionExtrinsic and
+/// EdgeReprojectionTimeOffset.
+template <CameraModel Camera = CameraIdentity>
+struct EdgeReprojectionCalibrationOf {
+  using Vertices =
+      VertexList<VertexPose, VertexPose, VertexInverseDepth, VertexPose, VertexVector<1>>;
+  static constexpr int kResidualDim = 2;
+  static constexpr bool kIsObservation = true;
+
+  TimedObservation host;    ///< normalized coordinates of the host's ray, and their velocity
+  TimedObservation target;  ///< image coordinates of `camera` in the target frame
+  [[no_unique_address]] Camera camera{};
+
+  bool Evaluate(const VertexPose& pose_i, const VertexPose& pose_j, const VertexInverseDepth& depth,
+                const VertexPose& extrinsic, const VertexVector<1>& time_offset, Vector2& r,
+                Jacobian<2, 6>* d_r_d_pose_i, Jacobian<2, 6>* d_r_d_pose_j,
+                Jacobian<2, 1>* d_r_d_rho, Jacobian<2, 6>* d_r_d_extrinsic,
+                Jacobian<2, 1>* d_r_d_td) const {
+    const double td = time_offset.value[0];
+    const Pose& T_b_c = extrinsic.pose;
+    const internal::TwoViewPoint x(pose_i.pose, pose_j.pose, depth.rho, host.At(td), T_b_c, T_b_c);
+    const bool linearize = d_r_d_pose_i || d_r_d_pose_j || d_r_d_rho || d_r_d_extrinsic || d_r_d_td;
+    Matrix<2, 3> d_r_d_c;
+    if (!internal::ProjectScaled(camera, x.q, x.rho, r, linearize ? &d_r_d_c : nullptr)) {
+      return false;
+    }
+    r -= target.At(td);
+    if (!linearize) return true;
+    const internal::TwoViewDerivatives d(x, d_r_d_c);
+    if (d_r_d_pose_i) d.Host(*d_r_d_pose_i);
+    if (d_r_d_pose_j) d.Target(*d_r_d_pose_j);
+    if (d_r_d_rho) d.InverseDepth(pose_i.pose, pose_j.pose, *d_r_d_rho);
+    if (d_r_d_extrinsic) d.SharedExtrinsic(*d_r_d_extrinsic);
+    if (d_r_d_td) {
+      Matrix2 d_r_d_uv_host;
+      d.HostObservation(d_r_d_uv_host);
+      *d_r_d_td = target.velocity - d_r_d_uv_host * host.velocity;
+    }
+    return true;
+  }
+
+  /// The extrinsic is a vertex, so that two edges on the same vertices are by the same camera.
+  [[nodiscard]] bool SameSensor(const EdgeReprojectionCalibrationOf& other) const {
+    return camera == other.camera;
+  }
+
+  /// As EdgeReprojection::Depth.
+  [[nodiscard]] double Depth(const VertexPose& pose_i, const VertexPose& pose_j,
+                             const VertexInverseDepth& depth, const VertexPose& extrinsic,
+                             const VertexVector<1>& time_offset) const {
+    const internal::TwoViewPoint x(pose_i.pose, pose_j.pose, depth.rho,
+                                   host.At(time_offset.value[0]), extrinsic.pose, extrinsic.pose);
+    return internal::TwoViewDepth(x.q[2], x.rho);
+  }
+
+  [[nodiscard]] Status Validate() const {
+    if (Status s = host.Validate("host observation"); !s.ok()) return s;
+    if (Status s = target.Validate("target observation"); !s.ok()) return s;
+    return ValidateCamera(camera);
+  }
+};
+
+/// The edge on normalized coordinates.
+using EdgeReprojectionCalibration = EdgeReprojectionCalibrationOf<CameraIdentity>;
+template <>
+inline constexpr TypeInfo kTypeInfo<EdgeReprojectionCalibration>{"EdgeReprojectionCalibration"};
+
+}  // namespace glissade

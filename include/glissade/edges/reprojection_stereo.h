@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "glissade/base/validate.h"
+#include "glissade/cameras/identity.h"
+#include "glissade/edges/concept.h"
+#include "glissade/edges/two_view_point.h"
+
+namespace glissade {
+
+/// Observation of an inverse-depth landmark of one camera by another camera of the body in another
+/// frame (left host, right target).
+///
+/// Vertices: T_W_Bi, T_W_Bj, rho. As EdgeReprojection, with two extrinsics:
+///     P = R_t' (R_j' (R_i (R_h b / rho + t_h) + p_i - p_j) - t_t),   r = project(P) - uv_target,
+/// R_h, t_h of T_b_host and R_t, t_t of T_b_target. For the same frame: EdgeReprojectionStereoSame.
+template <CameraModel Camera = CameraIdentity>
+struct EdgeReprojectionStereoOf {
+  using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth>;
+  static constexpr int kResidualDim = 2;
+  static constexpr bool kIsObservation = true;
+
+  Vector2 uv_host = Vector2::Zero();      ///< normalized coordinates of the host's ray
+  Vector2 uv_target = Vector2::Zero();    ///< image coordinates of `camera` in the target frame
+  Pose T_b_host;                          ///< camera of the host observation in body
+  Pose T_b_target;                        ///< camera of the target observation in body
+  [[no_unique_address]] Camera camera{};  ///< of the target observation
+
+  bool Evaluate(const VertexPose& host, const VertexPose& target, const VertexInverseDepth& depth,
+                Vector2& r, Jacobian<2, 6>* d_r_d_host, Jacobian<2, 6>* d_r_d_target,
+                Jacobian<2, 1>* d_r_d_rho) const {
+    const internal::TwoViewPoint x(host.pose, target.pose, depth.rho, uv_host, T_b_host,
+                                   T_b_target);
+    const bool linearize = d_r_d_host || d_r_d_target || d_r_d_rho;
+    Matrix<2, 3> d_r_d_c;
+    if (!internal::ProjectScaled(camera, x.q, x.rho, r, linearize ? &d_r_d_c : nullptr)) {
+      return false;
+    }
+    r -= uv_target;
+    if (!linearize) return true;
+    const internal::TwoViewDerivatives d(x, d_r_d_c);
+    if (d_r_d_host) d.Host(*d_r_d_host);
+    if (d_r_d_target) d.Target(*d_r_d_target);
+    if (d_r_d_rho) d.InverseDepth(host.pose, target.pose, *d_r_d_rho);
+    return true;
+  }
+
+  /// Same target camera: two observations of one landmark by it in one frame are duplicates.
+  [[nodiscard]] bool SameSensor(const EdgeReprojectionStereoOf& other) const {
+    return T_b_target == other.T_b_target && camera == other.camera;
+  }
+
+  /// As EdgeReprojection::Depth.
+  [[nodiscard]] double Depth(const VertexPose& host, const VertexPose& target,
+                             const VertexInverseDepth& depth) const {
+    const internal::TwoViewPoint x(host.pose, target.pose, depth.rho, uv_host, T_b_host,
+                                   T_b_target);
+    return internal::TwoViewDepth(x.q[2], x.rho);
+  }
+
+  [[nodiscard]] Status Validate() const {
+    if (Status s = ValidateFinite(uv_host.data(), 2, "host observation"); !s.ok()) return s;
+    if (Status s = ValidateFinite(uv_target.data(), 2, "target observation"); !s.ok()) return s;
+    if (Status s = ValidatePose(T_b_host.data, "extrinsic of the host"); !s.ok()) return s;
+    if (Status s = ValidatePose(T_b_target.data, "extrinsic of the target"); !s.ok()) return s;
+    return ValidateCamera(camera);
+  }
+};
+
+/// The edge on normalized coordinates.
+using EdgeReprojectionStereo = EdgeReprojectionStereoOf<CameraIdentity>;
+template <>
+inline constexpr TypeInfo kTypeInfo<EdgeReprojectionStereo>{"EdgeReprojectionStereo"};
+
+}  // namespace glissade
