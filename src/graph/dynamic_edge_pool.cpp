@@ -61,9 +61,11 @@ void DynamicEdgePool::SetRefs(const Entry& item, const std::int32_t* words) cons
   }
 }
 
-void DynamicEdgePool::DenseIndices(int edge, std::int32_t* indices) const {
-  for (const Vertex& vertex : EntryAt(edge).vertices) {
-    *indices++ = vertex.pool->slots().IndexOf(vertex.address.slot);
+void DynamicEdgePool::AllDenseIndices(std::int32_t* indices) const {
+  for (const Entry& item : items_) {
+    for (const Vertex& vertex : item.vertices) {
+      *indices++ = vertex.pool->slots().IndexOf(vertex.address.slot);
+    }
   }
 }
 

@@ -27,6 +27,7 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   for (auto& words : words_) words.clear();
   for (const auto& pool : graph->edge_pools()) pool->Prepare();
 
+  FlattenEdges(*graph);
   if (!options.allow_duplicate_observations) {
     if (Status status = FindDuplicates(*graph); !status.ok()) return status;
   }
@@ -62,10 +63,10 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
       runs[p] = {static_cast<std::int32_t>(p), 0, static_cast<std::int64_t>(words_[p].size())};
     }
     for (int l = landmark_chunks_[Index(chunk)]; l < landmark_chunks_[Index(chunk) + 1]; ++l) {
-      LayOutLandmark(*graph, l);
+      LayOutLandmark(l);
       for (int k = landmark_edges_begin_[Index(l)]; k < landmark_edges_begin_[Index(l) + 1]; ++k) {
         const EdgeRef& ref = landmark_edges_[Index(k)];
-        WriteEdge(*graph, ref, l);
+        WriteEdge(ref, l);
         ++runs[ref.pool].count;
       }
     }
@@ -74,7 +75,7 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
     };
     for (int k = part(chunk); k < part(chunk + 1); ++k) {
       const EdgeRef& ref = landmark_edges_[Index(k)];
-      WriteEdge(*graph, ref, -1);
+      WriteEdge(ref, -1);
       ++runs[ref.pool].count;
     }
   }
@@ -82,6 +83,32 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   graph_ = graph;
   version_ = graph->structure_version();
   return {};
+}
+
+void Structure::FlattenEdges(const Graph& graph) {
+  flat_.resize(num_pools_);
+  for (std::size_t p = 0; p < num_pools_; ++p) {
+    const EdgePoolBase& pool = *graph.edge_pools()[p];
+    FlatEdges& edges = flat_[p];
+    const int count = pool.size();
+    edges.pool.clear();
+    edges.begin.clear();
+    edges.arity = pool.fixed_arity();
+    if (edges.arity > 0) {
+      for (int i = 0; i < edges.arity; ++i) edges.pool.push_back(pool.vertex_pool(0, i)->id());
+      edges.index.resize(Index(count) * Index(edges.arity));
+    } else {
+      edges.begin.push_back(0);
+      for (int edge = 0; edge < count; ++edge) {
+        for (int i = 0; i < pool.arity(edge); ++i) {
+          edges.pool.push_back(pool.vertex_pool(edge, i)->id());
+        }
+        edges.begin.push_back(static_cast<std::int32_t>(edges.pool.size()));
+      }
+      edges.index.resize(edges.pool.size());
+    }
+    pool.AllDenseIndices(edges.index.data());
+  }
 }
 
 void Structure::NumberVariables(const Graph& graph) {
@@ -95,14 +122,10 @@ void Structure::NumberVariables(const Graph& graph) {
     step_offsets_[p].assign(Index(pools[p]->size()), -1);
   }
   // A vertex without edges has no information: it is left out rather than made a zero row.
-  for (const auto& pool : graph.edge_pools()) {
-    for (int edge = 0; edge < pool->size(); ++edge) {
-      const int arity = pool->arity(edge);
-      if (indices_.size() < Index(arity)) indices_.resize(Index(arity));
-      pool->DenseIndices(edge, indices_.data());
-      for (int i = 0; i < arity; ++i) {
-        touched_[Index(pool->vertex_pool(edge, i)->id())][Index(indices_[Index(i)])] = 1;
-      }
+  for (const FlatEdges& edges : flat_) {
+    for (std::size_t k = 0; k < edges.index.size(); ++k) {
+      const std::size_t position = edges.arity > 0 ? k % Index(edges.arity) : k;
+      touched_[Index(edges.pool[position])][Index(edges.index[k])] = 1;
     }
   }
   poses_.clear();
@@ -126,6 +149,13 @@ void Structure::NumberVariables(const Graph& graph) {
       }
     }
   }
+  for (FlatEdges& edges : flat_) {
+    edges.variable.resize(edges.index.size());
+    for (std::size_t k = 0; k < edges.index.size(); ++k) {
+      const std::size_t position = edges.arity > 0 ? k % Index(edges.arity) : k;
+      edges.variable[k] = variable_[Index(edges.pool[position])][Index(edges.index[k])];
+    }
+  }
   for (const LandmarkBlock& landmark : landmarks_) {
     step_offsets_[Index(landmark.pool)][Index(landmark.index)] = num_pose_scalars() + landmark.step;
   }
@@ -147,14 +177,13 @@ void Structure::ListLandmarkEdges(const Graph& graph) {
   num_edges_ = 0;
   for (int pass = 0; pass < 2; ++pass) {
     for (std::size_t p = 0; p < num_pools_; ++p) {
-      const EdgePoolBase& pool = *graph.edge_pools()[p];
-      for (int edge = 0; edge < pool.size(); ++edge) {
-        pool.DenseIndices(edge, indices_.data());
+      const FlatEdges& edges = flat_[p];
+      const int count = graph.edge_pools()[p]->size();
+      for (int edge = 0; edge < count; ++edge) {
         std::size_t bucket = num_landmarks;
-        for (int i = 0; i < pool.arity(edge); ++i) {
-          const std::int32_t v =
-              variable_[Index(pool.vertex_pool(edge, i)->id())][Index(indices_[Index(i)])];
-          if (v < 0 && v != kInactive) bucket = Index(~v);
+        const std::int32_t* v = edges.variable.data() + edges.Begin(edge);
+        for (int i = 0; i < edges.Arity(edge); ++i) {
+          if (v[i] < 0 && v[i] != kInactive) bucket = Index(~v[i]);
         }
         if (pass == 0) {
           ++landmark_edges_begin_[bucket + 1];
@@ -189,18 +218,17 @@ void Structure::CutIntoChunks() {
   landmark_chunks_.push_back(num_landmarks);
 }
 
-void Structure::LayOutLandmark(const Graph& graph, int landmark) {
+void Structure::LayOutLandmark(int landmark) {
   LandmarkBlock& block = landmarks_[Index(landmark)];
   block.record = static_cast<std::int32_t>(landmark_buffer_size_);
   block.slot_begin = static_cast<std::int32_t>(slot_block_.size());
   for (int k = landmark_edges_begin_[Index(landmark)];
        k < landmark_edges_begin_[Index(landmark) + 1]; ++k) {
     const EdgeRef& ref = landmark_edges_[Index(k)];
-    const EdgePoolBase& pool = *graph.edge_pools()[Index(ref.pool)];
-    pool.DenseIndices(ref.edge, indices_.data());
-    for (int i = 0; i < pool.arity(ref.edge); ++i) {
-      const std::int32_t v =
-          variable_[Index(pool.vertex_pool(ref.edge, i)->id())][Index(indices_[Index(i)])];
+    const FlatEdges& edges = flat_[Index(ref.pool)];
+    const int begin = edges.Begin(ref.edge);
+    for (int i = 0; i < edges.Arity(ref.edge); ++i) {
+      const std::int32_t v = edges.variable[Index(begin + i)];
       if (v >= 0 && stamp_of_block_[Index(v)] != landmark) {
         stamp_of_block_[Index(v)] = landmark;
         slot_block_.push_back(v);
@@ -222,22 +250,20 @@ void Structure::LayOutLandmark(const Graph& graph, int landmark) {
   landmark_buffer_size_ = offset;
 }
 
-void Structure::WriteEdge(const Graph& graph, const EdgeRef& ref, int landmark) {
-  const EdgePoolBase& pool = *graph.edge_pools()[Index(ref.pool)];
-  const int arity = pool.arity(ref.edge);
-  pool.DenseIndices(ref.edge, indices_.data());
+void Structure::WriteEdge(const EdgeRef& ref, int landmark) {
+  const FlatEdges& edges = flat_[Index(ref.pool)];
+  const int arity = edges.Arity(ref.edge);
+  const std::int32_t* index = edges.index.data() + edges.Begin(ref.edge);
+  const std::int32_t* variable = edges.variable.data() + edges.Begin(ref.edge);
   std::vector<std::int32_t>& words = words_[Index(ref.pool)];
   const std::size_t base = words.size();
   words.resize(base + Index(plan::NumWords(arity)), plan::kNone);
   std::int32_t* w = words.data() + base;
   w[plan::kEdge] = ref.edge;
   if (landmark >= 0) w[plan::kLandmarkRecord] = landmarks_[Index(landmark)].record;
-  const auto variable = [&](int i) {
-    return variable_[Index(pool.vertex_pool(ref.edge, i)->id())][Index(indices_[Index(i)])];
-  };
   for (int i = 0; i < arity; ++i) {
-    const std::int32_t v = variable(i);
-    w[plan::State(i)] = indices_[Index(i)];
+    const std::int32_t v = variable[i];
+    w[plan::State(i)] = index[i];
     if (v == kInactive) continue;
     if (v < 0) {
       w[plan::Target(arity, i)] = plan::kLandmark;
@@ -246,7 +272,7 @@ void Structure::WriteEdge(const Graph& graph, const EdgeRef& ref, int landmark) 
     w[plan::Target(arity, i)] = poses_[Index(v)].offset;
     if (landmark >= 0) w[plan::WBlock(arity, i)] = slot_of_block_[Index(v)];
     for (int j = 0; j <= i; ++j) {
-      const std::int32_t u = variable(j);
+      const std::int32_t u = variable[j];
       if (u < 0) continue;
       w[plan::HBlock(arity, plan::Pair(i, j))] =
           v >= u ? PairOffset(v, u) : plan::Transposed(PairOffset(u, v));
@@ -296,15 +322,14 @@ Status Structure::FindDuplicates(const Graph& graph) {
   for (std::size_t p = 0; p < num_pools_; ++p) {
     const EdgePoolBase& pool = *graph.edge_pools()[p];
     if (!pool.IsObservation() || pool.size() < 2) continue;
-    const int arity = pool.arity(0);
-    if (indices_.size() < Index(2 * arity)) indices_.resize(Index(2 * arity));
-    std::int32_t* a = indices_.data();
-    std::int32_t* b = a + arity;
+    const FlatEdges& edges = flat_[p];
+    if (edges.arity == 0) continue;  // dynamic edges are not observations
+    const int arity = edges.arity;
     std::size_t size = 64;
     while (size < 2 * Index(pool.size())) size *= 2;
     duplicate_table_.assign(size, {-1, -1});
     for (int edge = 0; edge < pool.size(); ++edge) {
-      pool.DenseIndices(edge, a);
+      const std::int32_t* a = edges.index.data() + edges.Begin(edge);
       std::uint64_t hash = 0;
       for (int i = 0; i < arity; ++i) {
         hash = (hash ^ static_cast<std::uint32_t>(a[i])) * 0x9E3779B97F4A7C15ull;
@@ -313,7 +338,7 @@ Status Structure::FindDuplicates(const Graph& graph) {
       std::size_t slot = static_cast<std::size_t>(hash >> 20) & (size - 1);
       for (; duplicate_table_[slot].edge >= 0; slot = (slot + 1) & (size - 1)) {
         const int other = duplicate_table_[slot].edge;
-        pool.DenseIndices(other, b);
+        const std::int32_t* b = edges.index.data() + edges.Begin(other);
         if (std::equal(a, a + arity, b) && pool.IsDuplicate(other, edge)) {
           const AnyEdge first = pool.HandleAt(other), second = pool.HandleAt(edge);
           return {StatusCode::kDuplicate,

@@ -38,7 +38,8 @@ class DynamicEdgePool final : public EdgePoolBase {
     return EntryAt(edge).vertices[static_cast<std::size_t>(i)].address;
   }
 
-  void DenseIndices(int edge, std::int32_t* indices) const override;
+  [[nodiscard]] int fixed_arity() const override { return 0; }
+  void AllDenseIndices(std::int32_t* indices) const override;
   bool Evaluate(int edge, const double* const* states, double* residual,
                 double* const* jacobians) const override;
   void Whiten(int, double*, double* const*) const override {}

@@ -84,10 +84,9 @@ class EdgePool final : public EdgePoolBase {
     return vertices_[Index(edge)][static_cast<std::size_t>(i)];
   }
 
-  void DenseIndices(int edge, std::int32_t* indices) const override {
-    ForEachIndex<kArity>([&](auto i) {
-      indices[i] = std::get<i>(pools_)->slots().IndexOf(vertices_[Index(edge)][i].slot);
-    });
+  [[nodiscard]] int fixed_arity() const override { return kArity; }
+  void AllDenseIndices(std::int32_t* indices) const override {
+    for (int edge = 0; edge < size(); ++edge, indices += kArity) DenseIndices(edge, indices);
   }
 
   bool Evaluate(int edge, const double* const* states, double* residual,
@@ -231,6 +230,11 @@ class EdgePool final : public EdgePoolBase {
  private:
   static std::size_t Index(int i) { return static_cast<std::size_t>(i); }
 
+  void DenseIndices(int edge, std::int32_t* indices) const {
+    ForEachIndex<kArity>([&](auto i) {
+      indices[i] = std::get<i>(pools_)->slots().IndexOf(vertices_[Index(edge)][i].slot);
+    });
+  }
   [[nodiscard]] std::array<std::int32_t, kArity> DenseIndices(int edge) const {
     std::array<std::int32_t, kArity> indices;
     DenseIndices(edge, indices.data());

@@ -38,8 +38,10 @@ class EdgePoolBase {
   /// Pool and slot/generation of the i-th vertex of an edge.
   [[nodiscard]] virtual VertexPoolBase* vertex_pool(int edge, int i) const = 0;
   [[nodiscard]] virtual internal::SlotMap::Address vertex_address(int edge, int i) const = 0;
-  /// Dense indices of all vertices of a live edge, each in its pool.
-  virtual void DenseIndices(int edge, std::int32_t* indices) const = 0;
+  /// Number of vertices where it is the same for all edges of the pool, else 0.
+  [[nodiscard]] virtual int fixed_arity() const = 0;
+  /// Dense indices of all vertices of all edges (live ones: after Compact), one after the other.
+  virtual void AllDenseIndices(std::int32_t* indices) const = 0;
   [[nodiscard]] AnyVertex VertexOf(int edge, int i) const {
     const auto address = vertex_address(edge, i);
     return {vertex_pool(edge, i)->ops().type, address.slot, address.generation};

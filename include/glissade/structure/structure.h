@@ -103,12 +103,13 @@ class Structure {
     std::int32_t edge;
   };
 
+  void FlattenEdges(const Graph& graph);
   void NumberVariables(const Graph& graph);
   Status FindDuplicates(const Graph& graph);
   void ListLandmarkEdges(const Graph& graph);
   void CutIntoChunks();
-  void LayOutLandmark(const Graph& graph, int landmark);
-  void WriteEdge(const Graph& graph, const EdgeRef& ref, int landmark);
+  void LayOutLandmark(int landmark);
+  void WriteEdge(const EdgeRef& ref, int landmark);
   std::int32_t PairOffset(std::int32_t row, std::int32_t col);
   void GrowPairTable();
   Status CheckSize() const;
@@ -136,11 +137,29 @@ class Structure {
   // Scratch, kept so that an analysis of a problem not larger than before allocates nothing.
   std::vector<std::vector<std::int32_t>> variable_;  // pool, index -> pose block or ~landmark
   std::vector<std::vector<std::uint8_t>> touched_;
+  /// Edges of one pool, flat: dense vertex indices and, once numbered, variables (pose block,
+  /// ~landmark or kInactive), those of edge e in [begin(e), begin(e + 1)).
+  struct FlatEdges {
+    int arity = 0;                    // 0: varies, begin tells
+    std::vector<std::int32_t> begin;  // only where the arity varies
+    std::vector<std::int32_t> index;
+    std::vector<std::int32_t> pool;   // of each position; arity entries, or one per index
+    std::vector<std::int32_t> variable;
+
+    [[nodiscard]] int Begin(int edge) const {
+      return arity > 0 ? edge * arity : begin[static_cast<std::size_t>(edge)];
+    }
+    [[nodiscard]] int Arity(int edge) const {
+      return arity > 0 ? arity
+                       : begin[static_cast<std::size_t>(edge) + 1] -
+                             begin[static_cast<std::size_t>(edge)];
+    }
+  };
+  std::vector<FlatEdges> flat_;
   std::vector<EdgeRef> landmark_edges_;  // edges by landmark, then edges without one
   std::vector<std::int32_t> landmark_edges_begin_;
   std::vector<std::int32_t> fill_;
   std::vector<std::int32_t> slot_of_block_, stamp_of_block_;
-  std::vector<std::int32_t> indices_;
   std::vector<std::int32_t> pair_table_;  // open addressing: index in h_blocks_, or -1
   std::vector<EdgeRef> duplicate_table_;
 };
