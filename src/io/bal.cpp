@@ -37,10 +37,11 @@ BalObservation ReadObservation(TextReader& in, int cameras, int points, int inde
   observation.point = in.Index(points, "point of observation", index);
   observation.u = in.Number("u of observation", index);
   observation.v = in.Number("v of observation", index);
-  if (in.ok() && in.line() != line) {
+  const bool one_line = in.line() == line;
+  if (in.ok() && (!one_line || (!in.AtEnd() && in.line() == line))) {
     in.Fail("expected observation " + std::to_string(index) +
-            " (camera, point, u, v) on one line; is the number of observations in the first line "
-            "right?");
+            " (camera, point, u, v) alone on its line; is the number of observations in the first "
+            "line right?");
   }
   return observation;
 }
@@ -86,8 +87,12 @@ Result<BalProblem> ReadBal(const std::string& path) {
   TextReader& in = reader.value();
 
   const int num_cameras = in.Count(1, "number of cameras");
+  const std::int64_t line = in.line();
   const int num_points = in.Count(1, "number of points");
   const int num_observations = in.Count(1, "number of observations");
+  if (in.ok() && in.line() != line) {
+    in.Fail("expected the numbers of cameras, points and observations on one line");
+  }
   if (!in.ok()) return in.status();
 
   BalProblem problem;

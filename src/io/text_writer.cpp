@@ -161,25 +161,33 @@ void TextWriter::Line(std::string_view text) {
   EndLine();
 }
 
+/// Notes the first failure, and why.
+void TextWriter::Check(bool good) {
+  if (good || failed_) return;
+  failed_ = true;
+  why_ = errno != 0 ? errno : EIO;
+}
+
 void TextWriter::Flush() {
-  if (!failed_ && !buffer_.empty()) failed_ = !sink_->Write(buffer_.data(), buffer_.size());
+  errno = 0;
+  if (!failed_ && !buffer_.empty()) Check(sink_->Write(buffer_.data(), buffer_.size()));
   buffer_.clear();
 }
 
 Status TextWriter::Close() {
-  errno = 0;
   Flush();
-  failed_ = !sink_->Close() || failed_;
+  errno = 0;
+  Check(sink_->Close());
   sink_.reset();
   if (!failed_ && !temporary_.empty()) {
     std::error_code error;
     std::filesystem::rename(temporary_, path_, error);
-    failed_ = static_cast<bool>(error);
+    errno = error.value();
+    Check(!error);
   }
   if (!failed_) return {};
-  const std::string why = std::strerror(errno != 0 ? errno : EIO);
   if (!temporary_.empty()) std::remove(temporary_.c_str());
-  return {StatusCode::kIoError, path_ + ": cannot be written: " + why};
+  return {StatusCode::kIoError, path_ + ": cannot be written: " + std::strerror(why_)};
 }
 
 }  // namespace glissade::internal

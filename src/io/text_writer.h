@@ -47,6 +47,7 @@ class TextWriter {
   TextWriter() = default;
   friend class Result<TextWriter>;
   void Flush();
+  void Check(bool good);
 
   std::string path_;       // where it shall be
   std::string temporary_;  // where it is; empty where path_ is a device, written directly
@@ -54,6 +55,7 @@ class TextWriter {
   std::string buffer_;
   bool in_line_ = false;
   bool failed_ = false;
+  int why_ = 0;  // errno of the first failure
 };
 
 }  // namespace glissade::internal
