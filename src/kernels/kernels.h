@@ -42,7 +42,15 @@ struct KernelTable {
   /// x <- L^-T x.
   void (*backward_solve)(int n, const double* l, int lda, double* x);
 
-  /// The same three for the nrhs columns of B (n x nrhs, column-major, ldb >= n).
+  /// One front of a multifrontal factorization. Eliminates the first nb of n columns: on return
+  /// they hold [L11; L21], and the trailing lower triangle A22 - L21 L21'. Returns as cholesky.
+  int (*cholesky_partial)(int n, int nb, double* a, int lda);
+  /// x1 <- L11^-1 x1, x2 <- x2 - L21 x1, with x = [x1 (nb); x2 (n - nb)].
+  void (*forward_solve_partial)(int n, int nb, const double* l, int lda, double* x);
+  /// x1 <- L11^-T (x1 - L21' x2).
+  void (*backward_solve_partial)(int n, int nb, const double* l, int lda, double* x);
+
+  /// cholesky_solve, forward_solve, backward_solve for the nrhs columns of B (n x nrhs, column-major, ldb >= n).
   void (*cholesky_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
   void (*forward_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
   void (*backward_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);

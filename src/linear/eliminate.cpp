@@ -27,7 +27,24 @@ ReducedSystem NormalEquations::reduced() const {
   system.S = S_[0].data();
   system.stride = stride_;
   system.b = b_s_[0].data();
+  system.pattern = reduced_pattern_;
+  system.pattern_version = pattern_version_;
   return system;
+}
+
+void NormalEquations::ClearReduced(double* S) const {
+  if (reduced_pattern_.empty()) {
+    std::fill_n(S, Index(num_poses_scalars_) * Index(stride_), 0.0);
+    return;
+  }
+  for (const BlockIndex& block : reduced_pattern_) {
+    const std::int32_t row = pose_offsets_[Index(block.row)];
+    const std::int32_t rows = pose_offsets_[Index(block.row) + 1] - row;
+    for (std::int32_t c = pose_offsets_[Index(block.col)]; c < pose_offsets_[Index(block.col) + 1];
+         ++c) {
+      std::fill_n(S + row + static_cast<std::ptrdiff_t>(c) * stride_, rows, 0.0);
+    }
+  }
 }
 
 void NormalEquations::ScatterPoseBlocks(const Structure& structure, const DampingTerm& damping) {
@@ -60,7 +77,7 @@ bool NormalEquations::EliminateChunk(const Structure& structure, const DampingTe
   const kernels::KernelTable& kernel = kernels::Kernels();
   std::vector<double>& S = S_[Index(chunk)];
   std::vector<double>& b_s = b_s_[Index(chunk)];
-  std::fill(S.begin(), S.end(), 0.0);
+  ClearReduced(S.data());
   if (chunk == 0) {
     ScatterPoseBlocks(structure, damping);
     std::copy(b_p_[0].begin(), b_p_[0].end(), b_s.begin());

@@ -42,7 +42,15 @@ void NormalEquations::Resize(const Structure& structure) {
   b_.resize(size);
   step_.assign(size, 0.0);
   held_.assign(Index(num_poses_scalars_), 0);
-  pose_offsets_ = structure.pose_offsets();
+  if (pattern_version_ != structure.analysis()) {
+    pose_offsets_ = structure.pose_offsets();
+    reduced_pattern_ = structure.reduced_pattern();
+    pattern_version_ = structure.analysis();
+    // Blocks outside the pattern are never written: zero them once.
+    for (auto& S : S_) {
+      S.assign(Index(num_poses_scalars_) * Index(stride_), 0.0);
+    }
+  }
 }
 
 void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& graph, int chunk) {

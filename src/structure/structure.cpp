@@ -80,6 +80,8 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
     }
   }
   if (Status status = CheckSize(); !status.ok()) return status;
+  BuildReducedPattern();
+  ++analysis_;
   graph_ = graph;
   version_ = graph->structure_version();
   return {};

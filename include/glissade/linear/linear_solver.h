@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "glissade/structure/block_index.h"
+
 namespace glissade {
 
 /// The reduced system S x = b over the vertices that are not eliminated: symmetric, one block row
@@ -19,6 +21,10 @@ struct ReducedSystem {
   const double* S = nullptr;                ///< lower triangle, column-major
   int stride = 0;                           ///< S(i, j) = S[i + j * stride], i >= j
   const double* b = nullptr;                ///< n numbers
+  /// Blocks of the lower triangle that can be non-zero, row >= col; all others are zero. Empty: all
+  /// can be.
+  std::span<const BlockIndex> pattern;
+  std::uint64_t pattern_version = 0;  ///< a new number where sizes or pattern are new
 
   [[nodiscard]] double operator()(int i, int j) const {
     return i >= j ? S[i + static_cast<std::ptrdiff_t>(j) * stride]

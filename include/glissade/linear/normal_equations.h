@@ -71,6 +71,7 @@ class NormalEquations {
   void LinearizeChunk(const Structure& structure, const Graph& graph, int chunk);
   void ProjectFreeTangents(const Structure& structure, Graph* graph);
   bool EliminateChunk(const Structure& structure, const DampingTerm& damping, int chunk);
+  void ClearReduced(double* S) const;
   void ScatterPoseBlocks(const Structure& structure, const DampingTerm& damping);
   void ReduceChunks(int num_chunks, ThreadPool* threads);
 
@@ -98,6 +99,8 @@ class NormalEquations {
   std::vector<double> residual_;
   std::vector<std::uint8_t> held_;
   std::vector<std::int32_t> pose_offsets_;
+  std::vector<BlockIndex> reduced_pattern_;
+  std::uint64_t pattern_version_ = 0;
 };
 
 }  // namespace glissade

@@ -5,6 +5,7 @@
 #include "glissade/base/thread_pool.h"
 #include "glissade/graph/graph.h"
 #include "glissade/linear/normal_equations.h"
+#include "glissade/linear/sparse_cholesky.h"
 #include "glissade/minimizer/options.h"
 #include "glissade/minimizer/summary.h"
 #include "glissade/structure/structure.h"
@@ -18,10 +19,11 @@ struct SolverWorkspace {
   NormalEquations equations;
   ThreadPool threads;
   DenseCholeskySolver dense_cholesky;
+  SparseCholeskySolver sparse_cholesky;
   PcgSolver pcg;
   SolveSummary summary;
 
-  /// The solver of the reduced system that the options ask for.
+  /// The solver of the reduced system that the options ask for (after Eliminate).
   LinearSolver* Solver(const SolveOptions& options);
 };
 

@@ -19,7 +19,13 @@ enum class Damping {
                ///< variant of the course this library grew from; for comparison only
 };
 
-enum class LinearSolverType { kDenseCholesky, kPcg };
+/// How the reduced system is solved.
+enum class LinearSolverType {
+  kAuto,            ///< dense or sparse Cholesky, whichever has less to do
+  kDenseCholesky,
+  kSparseCholesky,
+  kPcg,
+};
 
 /// Returned by an iteration callback.
 enum class CallbackAction { kContinue, kStop };
@@ -45,7 +51,7 @@ struct SolveOptions {
   double max_diagonal = 1e32;
 
   // --- Linear algebra -------------------------------------------------------------------------
-  LinearSolverType linear_solver_type = LinearSolverType::kDenseCholesky;
+  LinearSolverType linear_solver_type = LinearSolverType::kAuto;
   PcgOptions pcg;
   /// Your own solver of the reduced system, used instead of linear_solver_type where not null. Not
   /// owned; must outlive the solve.

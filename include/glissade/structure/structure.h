@@ -8,6 +8,7 @@
 
 #include "glissade/base/status.h"
 #include "glissade/graph/graph.h"
+#include "glissade/structure/block_index.h"
 
 namespace glissade {
 
@@ -71,6 +72,11 @@ class Structure {
 
   [[nodiscard]] const std::vector<PoseBlockPair>& h_blocks() const { return h_blocks_; }
   [[nodiscard]] std::int64_t h_size() const { return h_size_; }
+  /// Blocks of the reduced system S that can be non-zero, fill by landmarks included; empty where
+  /// most of them are (S is then treated as dense).
+  [[nodiscard]] const std::vector<BlockIndex>& reduced_pattern() const { return reduced_pattern_; }
+  /// A new number with every analysis that was not skipped; never 0.
+  [[nodiscard]] std::uint64_t analysis() const { return analysis_; }
   [[nodiscard]] std::int64_t landmark_buffer_size() const { return landmark_buffer_size_; }
   /// Pose block of each W slot, ascending within a landmark, with its scalar row and dimension.
   [[nodiscard]] const std::vector<std::int32_t>& slot_block() const { return slot_block_; }
@@ -112,6 +118,7 @@ class Structure {
   void WriteEdge(const EdgeRef& ref, int landmark);
   std::int32_t PairOffset(std::int32_t row, std::int32_t col);
   void GrowPairTable();
+  void BuildReducedPattern();
   Status CheckSize() const;
 
   std::uint64_t version_ = 0;
@@ -125,6 +132,8 @@ class Structure {
   std::size_t num_pools_ = 0;
   std::vector<PoseBlockPair> h_blocks_;
   std::int64_t h_size_ = 0;
+  std::vector<BlockIndex> reduced_pattern_;
+  std::uint64_t analysis_ = 0;
   std::int64_t landmark_buffer_size_ = 0;
   std::vector<std::int32_t> slot_block_, slot_row_, slot_dim_;
   int max_w_size_ = 0;
@@ -162,6 +171,7 @@ class Structure {
   std::vector<std::int32_t> slot_of_block_, stamp_of_block_;
   std::vector<std::int32_t> pair_table_;  // open addressing: index in h_blocks_, or -1
   std::vector<EdgeRef> duplicate_table_;
+  std::vector<std::uint64_t> adjacency_, slot_mask_;  // bit rows
 };
 
 }  // namespace glissade

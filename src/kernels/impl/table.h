@@ -5,6 +5,7 @@
 // The table is the only symbol such an object exports.
 
 #include "kernels/impl/cholesky.h"
+#include "kernels/impl/partial.h"
 #include "kernels/impl/rank_update.h"
 #include "kernels/impl/schur.h"
 #include "kernels/impl/small.h"
@@ -32,6 +33,9 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .cholesky_solve = CholeskySolve,
     .forward_solve = ForwardSolve,
     .backward_solve = BackwardSolve,
+    .cholesky_partial = CholeskyPartial,
+    .forward_solve_partial = ForwardSolvePartial,
+    .backward_solve_partial = BackwardSolvePartial,
     .cholesky_solve_many = CholeskySolveMany,
     .forward_solve_many = ForwardSolveMany,
     .backward_solve_many = BackwardSolveMany,

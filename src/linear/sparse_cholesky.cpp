@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/linear/sparse_cholesky.h"
+
+#include <algorithm>
+
+#include "kernels/kernels.h"
+
+namespace glissade {
+
+namespace {
+std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supernode& node,
+                                       int* failed_pivot) {
+  const std::int64_t stride = node.stride;
+  double* const F = front_.data();
+  for (int c = 0; c < node.size; ++c) std::fill_n(F + c * stride + c, node.size - c, 0.0);
+
+  for (std::int32_t e = node.entry_begin; e < node.entry_end; ++e) {
+    const Entry& entry = entries_[Index(e)];
+    const double* from = system.S + entry.row + std::int64_t{entry.col} * system.stride;
+    double* to = F + entry.front_row + entry.front_col * stride;
+    if (!entry.transposed) {
+      for (int c = 0; c < entry.cols; ++c, from += system.stride, to += stride) {
+        for (int r = 0; r < entry.rows; ++r) to[r] = from[r];
+      }
+    } else {
+      for (int c = 0; c < entry.cols; ++c, from += system.stride, ++to) {
+        for (int r = 0; r < entry.rows; ++r) to[r * stride] = from[r];
+      }
+    }
+  }
+  // Extend-add the children's Schur complements, block by block.
+  for (std::int32_t k = node.child_begin; k < node.child_end; ++k) {
+    const Supernode& child = nodes_[Index(children_[Index(k)])];
+    const double* update = stack_.data() + child.update;
+    const std::int64_t rows = child.size - child.cols;
+    const std::int32_t first = child.block_begin + child.num_own;
+    const std::int32_t* map = parent_offset_.data() + child.map_begin;
+    for (std::int32_t j = first; j < child.block_end; ++j) {
+      const std::int32_t col = block_offset_[Index(j)] - child.cols;
+      const std::int32_t cols = (j + 1 < child.block_end ? block_offset_[Index(j + 1)] : child.size) -
+                                block_offset_[Index(j)];
+      for (std::int32_t i = j; i < child.block_end; ++i) {
+        const std::int32_t row = block_offset_[Index(i)] - child.cols;
+        const std::int32_t count =
+            (i + 1 < child.block_end ? block_offset_[Index(i + 1)] : child.size) -
+            block_offset_[Index(i)];
+        const double* from = update + row + col * rows;
+        double* to = F + map[i - first] + map[j - first] * stride;
+        for (int c = 0; c < cols; ++c, from += rows, to += stride) {
+          for (int r = 0; r < count; ++r) to[r] += from[r];
+        }
+      }
+    }
+  }
+
+  const int info = kernels::Kernels().cholesky_partial(node.size, node.cols, F, node.stride);
+  if (info != 0) {
+    std::int32_t k = node.block_begin;
+    while (k + 1 < node.block_end && block_offset_[Index(k + 1)] < info) ++k;
+    *failed_pivot = system.offsets[Index(front_blocks_[Index(k)])] + info - 1 -
+                    block_offset_[Index(k)];
+    return false;
+  }
+  std::copy_n(F, stride * node.cols, factor_.data() + node.factor);
+  const std::int64_t rows = node.size - node.cols;
+  double* update = stack_.data() + node.update;
+  for (std::int64_t c = 0; c < rows; ++c) {
+    const double* from = F + (node.cols + c) * stride + node.cols;
+    std::copy(from + c, from + rows, update + c * rows + c);
+  }
+  return true;
+}
+
+LinearSolverResult SparseCholeskySolver::Solve(const ReducedSystem& system, double* x) {
+  LinearSolverResult result;
+  Analyze(system);
+  for (const Supernode& node : nodes_) {
+    if (!FactorFront(system, node, &result.failed_pivot)) return result;
+  }
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  std::copy_n(system.b, system.size, x);
+  // Gathers the front's part of x and scatters it back; first: from this block of the front on.
+  const auto gather = [&](const Supernode& node) {
+    for (std::int32_t k = node.block_begin; k < node.block_end; ++k) {
+      const int block = front_blocks_[Index(k)];
+      std::copy_n(x + system.offsets[Index(block)], Dim(system, block),
+                  x_local_.data() + block_offset_[Index(k)]);
+    }
+  };
+  const auto scatter = [&](const Supernode& node, std::int32_t count) {
+    for (std::int32_t k = node.block_begin; k < node.block_begin + count; ++k) {
+      const int block = front_blocks_[Index(k)];
+      std::copy_n(x_local_.data() + block_offset_[Index(k)], Dim(system, block),
+                  x + system.offsets[Index(block)]);
+    }
+  };
+  for (const Supernode& node : nodes_) {
+    gather(node);
+    kernel.forward_solve_partial(node.size, node.cols, factor_.data() + node.factor, node.stride,
+                                 x_local_.data());
+    scatter(node, node.block_end - node.block_begin);
+  }
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
+    gather(*node);
+    kernel.backward_solve_partial(node->size, node->cols, factor_.data() + node->factor,
+                                  node->stride, x_local_.data());
+    scatter(*node, node->num_own);
+  }
+  result.ok = true;
+  return result;
+}
+
+}  // namespace glissade

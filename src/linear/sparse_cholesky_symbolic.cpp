@@ -1,0 +1,291 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The symbolic part of SparseCholeskySolver: order, supernodes, fronts, and where all goes.
+
+#include <algorithm>
+#include <bit>
+
+#include "glissade/linear/sparse_cholesky.h"
+
+namespace glissade {
+
+namespace {
+std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+constexpr double kMaxZeros = 0.35;  // part of a front's own columns that may be explicit zeros
+}  // namespace
+
+void SparseCholeskySolver::Analyze(const ReducedSystem& system) {
+  if (pattern_version_ == system.pattern_version && pattern_version_ != 0) return;
+  Order(system);
+  BuildSupernodes(system);
+  SortPostorder();
+  LayOut(system);
+  ListEntries(system);
+  pattern_version_ = system.pattern_version;
+}
+
+// Minimum degree on the elimination graph itself, as bit rows: exact, and cheap for up to a few
+// thousand blocks. Ties go to the lower number, so the order is the same every time.
+void SparseCholeskySolver::Order(const ReducedSystem& system) {
+  const int n = static_cast<int>(system.offsets.size()) - 1;
+  const std::size_t words = Index((n + 63) / 64);
+  adjacency_.assign(Index(n) * words, 0);
+  const auto row_of = [&](int block) { return adjacency_.data() + Index(block) * words; };
+  const auto set = [](std::uint64_t* row, int bit) {
+    row[bit / 64] |= std::uint64_t{1} << (bit % 64);
+  };
+  if (system.pattern.empty()) {
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) set(row_of(i), j);
+    }
+  }
+  for (const BlockIndex& block : system.pattern) {
+    set(row_of(block.row), block.col);
+    set(row_of(block.col), block.row);
+  }
+  const auto for_each = [&](const std::uint64_t* row, auto&& f) {
+    for (std::size_t w = 0; w < words; ++w) {
+      for (std::uint64_t bits = row[w]; bits != 0; bits &= bits - 1) {
+        f(static_cast<int>(w * 64) + std::countr_zero(bits));
+      }
+    }
+  };
+  for (int i = 0; i < n; ++i) row_of(i)[i / 64] &= ~(std::uint64_t{1} << (i % 64));
+
+  column_.resize(std::max(column_.size(), Index(n)));
+  order_.clear();
+  position_.assign(Index(n), -1);
+  local_.assign(Index(n), 0);  // degree in scalars
+  for (int i = 0; i < n; ++i) {
+    for_each(row_of(i), [&](int j) { local_[Index(i)] += Dim(system, j); });
+  }
+  for (int step = 0; step < n; ++step) {
+    int best = -1;
+    for (int i = 0; i < n; ++i) {
+      if (position_[Index(i)] < 0 && (best < 0 || local_[Index(i)] < local_[Index(best)])) best = i;
+    }
+    position_[Index(best)] = step;
+    order_.push_back(best);
+    std::vector<std::int32_t>& column = column_[Index(best)];
+    column.clear();
+    const std::uint64_t* eliminated = row_of(best);
+    for_each(eliminated, [&](int j) { column.push_back(j); });
+    // The neighbours become a clique without the eliminated block.
+    for (const std::int32_t j : column) {
+      std::uint64_t* row = row_of(j);
+      for (std::size_t w = 0; w < words; ++w) row[w] |= eliminated[w];
+      row[j / 64] &= ~(std::uint64_t{1} << (j % 64));
+      row[best / 64] &= ~(std::uint64_t{1} << (best % 64));
+      local_[Index(j)] = 0;
+      for_each(row, [&](int k) { local_[Index(j)] += Dim(system, k); });
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    std::sort(column_[Index(i)].begin(), column_[Index(i)].end(),
+              [&](int a, int b) { return position_[Index(a)] < position_[Index(b)]; });
+  }
+}
+
+// A block joins the supernode of its child where that brings few explicit zeros.
+void SparseCholeskySolver::BuildSupernodes(const ReducedSystem& system) {
+  const int n = static_cast<int>(system.offsets.size()) - 1;
+  nodes_.clear();
+  front_blocks_.clear();
+  node_of_block_.assign(Index(n), -1);
+  next_own_.assign(Index(n), -1);
+  head_.clear();
+  top_.clear();
+  const auto scalars = [&](std::int32_t block) {
+    int sum = 0;
+    for (const std::int32_t other : column_[Index(block)]) sum += Dim(system, other);
+    return sum;
+  };
+  for (const std::int32_t block : order_) {
+    const int dim = Dim(system, block);
+    const int size = dim + scalars(block);
+    int best = -1;
+    int best_zeros = 0;
+    for (std::size_t s = 0; s < nodes_.size(); ++s) {
+      const auto& column = column_[Index(top_[s])];
+      if (column.empty() || column.front() != block) continue;  // not a child
+      const int cols = nodes_[s].cols;
+      const int zeros = cols * (size - scalars(top_[s]));
+      // Fewer fronts are worth some zeros, but those add up: all of the front's count.
+      const int all_zeros = nodes_[s].zeros + zeros;
+      if (all_zeros <= kMaxZeros * (cols + dim) * size && (best < 0 || zeros < best_zeros)) {
+        best = static_cast<int>(s);
+        best_zeros = zeros;
+      }
+    }
+    if (best < 0) {
+      best = static_cast<int>(nodes_.size());
+      nodes_.emplace_back();
+      head_.push_back(block);
+      top_.push_back(block);
+    } else {
+      next_own_[Index(top_[Index(best)])] = block;
+      top_[Index(best)] = block;
+    }
+    nodes_[Index(best)].cols += dim;
+    nodes_[Index(best)].zeros += best_zeros;
+    node_of_block_[Index(block)] = best;
+  }
+  for (std::size_t s = 0; s < nodes_.size(); ++s) {
+    Supernode& node = nodes_[s];
+    node.block_begin = static_cast<std::int32_t>(front_blocks_.size());
+    for (std::int32_t b = head_[s]; b >= 0; b = next_own_[Index(b)]) front_blocks_.push_back(b);
+    node.num_own = static_cast<std::int32_t>(front_blocks_.size()) - node.block_begin;
+    const auto& rows = column_[Index(top_[s])];
+    front_blocks_.insert(front_blocks_.end(), rows.begin(), rows.end());
+    node.block_end = static_cast<std::int32_t>(front_blocks_.size());
+    node.parent = rows.empty() ? -1 : node_of_block_[Index(rows.front())];
+  }
+}
+
+void SparseCholeskySolver::SortPostorder() {
+  // Depth first from the roots, so that the updates of a node's children are on top of the stack.
+  // Children of node s: children_[child_begin, child_end), by counting; roots hang under node n.
+  const std::size_t n = nodes_.size();
+  const auto parent_of = [&](std::size_t s) {
+    return nodes_[s].parent < 0 ? n : Index(nodes_[s].parent);
+  };
+  begin_.assign(n + 2, 0);
+  for (std::size_t s = 0; s < n; ++s) ++begin_[parent_of(s) + 1];
+  for (std::size_t s = 0; s <= n; ++s) begin_[s + 1] += begin_[s];
+  children_.resize(n);
+  head_.assign(begin_.begin(), begin_.end());
+  for (std::size_t s = 0; s < n; ++s) {
+    children_[Index(head_[parent_of(s)]++)] = static_cast<std::int32_t>(s);
+  }
+  top_.clear();  // the stack of the search; ~s: node s whose children are done
+  local_.clear();
+  for (std::int32_t k = begin_[n + 1]; k-- > begin_[n];) top_.push_back(children_[Index(k)]);
+  while (!top_.empty()) {
+    const std::int32_t s = top_.back();
+    top_.pop_back();
+    if (s < 0) {
+      local_.push_back(~s);
+      continue;
+    }
+    top_.push_back(~s);
+    for (std::int32_t k = begin_[Index(s) + 1]; k-- > begin_[Index(s)];) {
+      top_.push_back(children_[Index(k)]);
+    }
+  }
+  head_.resize(n);  // rank of each node
+  for (std::size_t k = 0; k < n; ++k) head_[Index(local_[k])] = static_cast<std::int32_t>(k);
+  sorted_nodes_.clear();
+  for (const std::int32_t s : local_) {
+    Supernode node = nodes_[Index(s)];
+    if (node.parent >= 0) node.parent = head_[Index(node.parent)];
+    node.child_begin = begin_[Index(s)];
+    node.child_end = begin_[Index(s) + 1];
+    sorted_nodes_.push_back(node);
+  }
+  nodes_.swap(sorted_nodes_);
+  for (std::int32_t& child : children_) child = head_[Index(child)];
+  for (std::int32_t& node : node_of_block_) node = head_[Index(node)];
+}
+
+void SparseCholeskySolver::LayOut(const ReducedSystem& system) {
+  block_offset_.resize(front_blocks_.size());
+  std::int64_t factor = 0;
+  std::int64_t top = 0, stack_size = 0;
+  int largest = 0;
+  double flops = 0.0;
+  for (Supernode& node : nodes_) {
+    int offset = 0;
+    for (std::int32_t k = node.block_begin; k < node.block_end; ++k) {
+      if (k == node.block_begin + node.num_own) node.cols = offset;
+      block_offset_[Index(k)] = offset;
+      offset += Dim(system, front_blocks_[Index(k)]);
+    }
+    if (node.block_end == node.block_begin + node.num_own) node.cols = offset;
+    node.size = offset;
+    node.stride = (offset + 7) / 8 * 8;
+    node.factor = factor;
+    factor += std::int64_t{node.stride} * node.cols;
+    // Pop the children, push the own update.
+    for (std::int32_t c = node.child_begin; c < node.child_end; ++c) {
+      top = std::min(top, nodes_[Index(children_[Index(c)])].update);
+    }
+    node.update = top;
+    const std::int64_t rows = node.size - node.cols;
+    top += rows * rows;
+    stack_size = std::max(stack_size, top);
+    largest = std::max(largest, node.size);
+    for (int c = 0; c < node.cols; ++c) flops += double(node.size - c) * (node.size - c);
+  }
+  factor_.resize(Index(factor));
+  // A child's update must outlive the assembly of its parent's front only, but siblings' are below
+  // each other on the stack, and the parent's own goes where the lowest of them was.
+  stack_.resize(Index(stack_size));
+  const std::int64_t stride = (largest + 7) / 8 * 8;
+  front_.resize(Index(stride * largest));
+  x_local_.resize(Index(stride));
+  const double n = system.size;
+  flop_ratio_ = system.size > 0 ? flops / (n * n * n / 3.0) : 1.0;
+
+  // Where the row blocks of each node lie in its parent's front.
+  parent_offset_.clear();
+  for (Supernode& node : nodes_) {
+    node.map_begin = static_cast<std::int32_t>(parent_offset_.size());
+    if (node.parent < 0) continue;
+    const Supernode& parent = nodes_[Index(node.parent)];
+    for (std::int32_t k = node.block_begin + node.num_own; k < node.block_end; ++k) {
+      parent_offset_.push_back(OffsetInFront(parent, front_blocks_[Index(k)]));
+    }
+  }
+}
+
+void SparseCholeskySolver::ListEntries(const ReducedSystem& system) {
+  const int n = static_cast<int>(system.offsets.size()) - 1;
+  full_pattern_.clear();
+  std::span<const BlockIndex> pattern = system.pattern;
+  if (pattern.empty()) {
+    for (std::int32_t i = 0; i < n; ++i) {
+      for (std::int32_t j = 0; j <= i; ++j) full_pattern_.push_back({i, j});
+    }
+    pattern = full_pattern_;
+  }
+  // Each block of S goes to the node of its earlier block: a counting sort.
+  const auto node_of = [&](const BlockIndex& block) {
+    const bool row_first = position_[Index(block.row)] < position_[Index(block.col)];
+    return Index(node_of_block_[Index(row_first ? block.row : block.col)]);
+  };
+  begin_.assign(nodes_.size() + 1, 0);
+  for (const BlockIndex& block : pattern) ++begin_[node_of(block) + 1];
+  for (std::size_t s = 0; s < nodes_.size(); ++s) {
+    begin_[s + 1] += begin_[s];
+    nodes_[s].entry_begin = begin_[s];
+    nodes_[s].entry_end = begin_[s + 1];
+  }
+  entries_.resize(pattern.size());
+  for (const BlockIndex& block : pattern) {
+    const bool transposed = position_[Index(block.row)] < position_[Index(block.col)];
+    const std::size_t s = node_of(block);
+    const std::int32_t row = OffsetInFront(nodes_[s], block.row);
+    const std::int32_t col = OffsetInFront(nodes_[s], block.col);
+    entries_[Index(begin_[s]++)] = {system.offsets[Index(block.row)],
+                                    system.offsets[Index(block.col)],
+                                    Dim(system, block.row),
+                                    Dim(system, block.col),
+                                    transposed ? col : row,
+                                    transposed ? row : col,
+                                    transposed};
+  }
+}
+
+std::int32_t SparseCholeskySolver::OffsetInFront(const Supernode& node, std::int32_t block) const {
+  // The front's blocks are in elimination order.
+  const auto begin = front_blocks_.begin() + node.block_begin;
+  const auto end = front_blocks_.begin() + node.block_end;
+  const auto at = std::lower_bound(begin, end, block, [&](std::int32_t a, std::int32_t b) {
+    return position_[Index(a)] < position_[Index(b)];
+  });
+  return block_offset_[Index(at - front_blocks_.begin())];
+}
+
+}  // namespace glissade
