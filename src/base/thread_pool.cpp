@@ -41,9 +41,13 @@ struct ThreadPool::Shared {
   }
 };
 
-ThreadPool::ThreadPool(int num_threads) { Resize(num_threads); }
+ThreadPool::ThreadPool(int num_threads) {
+  Resize(num_threads);
+}
 
-ThreadPool::~ThreadPool() { Resize(1); }
+ThreadPool::~ThreadPool() {
+  Resize(1);
+}
 
 void ThreadPool::Resize(int num_threads) {
   num_threads = num_threads < 1 ? 1 : num_threads;
@@ -54,7 +58,8 @@ void ThreadPool::Resize(int num_threads) {
       shared_->stop = true;
     }
     shared_->wake.notify_all();
-    for (std::thread& thread : shared_->threads) thread.join();
+    for (std::thread& thread : shared_->threads)
+      thread.join();
     shared_.reset();
   }
   num_threads_ = num_threads;

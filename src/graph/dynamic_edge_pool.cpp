@@ -45,7 +45,8 @@ void DynamicEdgePool::PrepareItem(Entry* item) const {
 }
 
 void DynamicEdgePool::Prepare() {
-  for (Entry& item : items_) PrepareItem(&item);
+  for (Entry& item : items_)
+    PrepareItem(&item);
 }
 
 void DynamicEdgePool::FillRefs(const Entry& item) const {
@@ -79,11 +80,13 @@ bool DynamicEdgePool::Evaluate(int edge, const double* const* states, double* re
   if (!item.edge->Evaluate(refs, residual, jacobians)) return false;
   double poison = 0.0;
   const int rows = item.edge->ResidualDim();
-  for (int k = 0; k < rows; ++k) poison += 0.0 * residual[k];
+  for (int k = 0; k < rows; ++k)
+    poison += 0.0 * residual[k];
   for (std::size_t i = 0; jacobians != nullptr && i < refs.size(); ++i) {
     if (jacobians[i] == nullptr) continue;
     const int size = rows * refs[i].ops->tangent_dim;
-    for (int k = 0; k < size; ++k) poison += 0.0 * jacobians[i][k];
+    for (int k = 0; k < size; ++k)
+      poison += 0.0 * jacobians[i][k];
   }
   return poison == 0.0;
 }
@@ -104,12 +107,13 @@ double DynamicEdgePool::Chi2(int edge) const {
   if (!item.edge->Evaluate(refs, r.data(), nullptr)) {
     return std::numeric_limits<double>::quiet_NaN();
   }
-  for (const double value : r) s += value * value;
+  for (const double value : r)
+    s += value * value;
   return s;
 }
 
-void DynamicEdgePool::Add(const Entry& item, const std::int32_t* words, const double* H,
-                          int stride, const double* gradient, NormalEquationsSink* sink) {
+void DynamicEdgePool::Add(const Entry& item, const std::int32_t* words, const double* H, int stride,
+                          const double* gradient, NormalEquationsSink* sink) {
   const int arity = static_cast<int>(item.vertices.size());
   const auto dim = [&](int i) {
     return item.vertices[static_cast<std::size_t>(i)].pool->ops().tangent_dim;
@@ -121,7 +125,8 @@ void DynamicEdgePool::Add(const Entry& item, const std::int32_t* words, const do
     if (target == plan::kNone) continue;
     const bool is_landmark = target == plan::kLandmark;
     double* b = is_landmark ? record + dim(i) * dim(i) : sink->b_p + target;
-    for (int k = 0; k < dim(i); ++k) b[k] -= gradient[row + k];
+    for (int k = 0; k < dim(i); ++k)
+      b[k] -= gradient[row + k];
     int col = 0;
     for (int j = 0; j < arity; col += dim(j), ++j) {
       // Destination of block (i, j): a landmark takes its row to W; other pairs once, j <= i.
@@ -154,7 +159,8 @@ bool DynamicEdgePool::LinearizeConstant(const Entry& item, const std::int32_t* w
   double s = 0.0;
   if (!item.edge->LinearizeQuadratic(item.refs, item.gradient.data(), &s)) return false;
   double poison = 0.0 * s;
-  for (const double g : item.gradient) poison += 0.0 * g;
+  for (const double g : item.gradient)
+    poison += 0.0 * g;
   if (poison != 0.0) return false;
   sink->cost += 0.5 * s;
   Add(item, words, item.edge->ConstantHessian(), static_cast<int>(item.gradient.size()),
@@ -189,7 +195,8 @@ bool DynamicEdgePool::LinearizeGeneral(const Entry& item, const Loss& loss,
     if (loss.trivial()) continue;
     for (int c = 0; c < J.cols(); ++c) {
       double projection = 0.0;
-      for (int k = 0; k < rows; ++k) projection += r[k] * J(k, c);
+      for (int k = 0; k < rows; ++k)
+        projection += r[k] * J(k, c);
       for (int k = 0; k < rows; ++k) {
         J(k, c) = scale.jacobian_scale * (J(k, c) - scale.alpha_over_s * projection * r[k]);
       }
@@ -262,7 +269,8 @@ bool DynamicEdgePool::Cost(const std::int32_t* words, int count, NormalEquations
       ok = item.edge->LinearizeQuadratic(item.refs, nullptr, &s);
     } else {
       ok = item.edge->Evaluate(item.refs, item.residual.data(), nullptr);
-      for (const double value : item.residual) s += value * value;
+      for (const double value : item.residual)
+        s += value * value;
     }
     const double cost = ok ? internal::RobustScale(loss(edge), s).cost : NAN;
     if (!std::isfinite(cost)) {

@@ -15,7 +15,8 @@ bool SqrtOfInformation(int n, const double* omega, double* sqrt) {
            static_cast<std::size_t>(col);
   };
   double largest = 0.0;
-  for (int i = 0; i < n; ++i) largest = std::max(largest, std::abs(omega[at(i, i)]));
+  for (int i = 0; i < n; ++i)
+    largest = std::max(largest, std::abs(omega[at(i, i)]));
   const double tolerance = 64.0 * n * std::numeric_limits<double>::epsilon();
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < i; ++j) {
@@ -72,7 +73,8 @@ bool SqrtOfInformation(int n, const double* omega, double* sqrt) {
     }
   }
   for (int row = 0; row < n; ++row) {
-    for (int j = 0; j < n; ++j) sqrt[at(row, j)] *= scale[static_cast<std::size_t>(j)];
+    for (int j = 0; j < n; ++j)
+      sqrt[at(row, j)] *= scale[static_cast<std::size_t>(j)];
   }
   return true;
 }

@@ -23,14 +23,16 @@ FreeTangent FreeTangent::ForPose(AnyVertex vertex, Fix fix, const double* pose) 
 void FreeTangent::UpdateBasis(const double*) {
   std::fill(std::begin(basis), std::end(basis), 0.0);
   if (fix == Fix::kPosition) {
-    for (int k = 0; k < 3; ++k) basis[(3 + k) * 3 + k] = 1.0;
+    for (int k = 0; k < 3; ++k)
+      basis[(3 + k) * 3 + k] = 1.0;
     return;
   }
   const Quaternion rotation0(q0);
   const Vector3 phi(dphi[0], dphi[1], dphi[2]);
   const Matrix3 d_theta_d_phi = rotation0.toRotationMatrix().transpose() * so3::Jr(phi);
   for (int row = 0; row < 3; ++row) {
-    for (int k = 0; k < 2; ++k) basis[(3 + row) * 2 + k] = d_theta_d_phi(row, k);
+    for (int k = 0; k < 2; ++k)
+      basis[(3 + row) * 2 + k] = d_theta_d_phi(row, k);
   }
 }
 

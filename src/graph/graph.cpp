@@ -61,8 +61,12 @@ Graph::EdgeSite Graph::Locate(AnyEdge edge) const {
   return {pool, index};
 }
 
-bool Graph::Contains(AnyVertex vertex) const { return Locate(vertex).pool != nullptr; }
-bool Graph::Contains(AnyEdge edge) const { return Locate(edge).pool != nullptr; }
+bool Graph::Contains(AnyVertex vertex) const {
+  return Locate(vertex).pool != nullptr;
+}
+bool Graph::Contains(AnyEdge edge) const {
+  return Locate(edge).pool != nullptr;
+}
 
 Status Graph::CheckEdgeVertices(std::span<const AnyVertex> vertices,
                                 std::string_view edge_name) const {
@@ -92,7 +96,8 @@ Status Graph::CheckEdgeVertices(std::span<const AnyVertex> vertices,
 Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge,
                                                std::span<const AnyVertex> vertices, Loss loss) {
   if (edge == nullptr) return Status(StatusCode::kInvalidArgument, "dynamic edge is null");
-  if (vertices.empty()) return Status(StatusCode::kInvalidArgument, "dynamic edge without vertices");
+  if (vertices.empty())
+    return Status(StatusCode::kInvalidArgument, "dynamic edge without vertices");
   if (Status status = CheckEdgeVertices(vertices, "dynamic edge"); !status.ok()) return status;
   std::vector<const VertexOps*> ops;
   std::vector<DynamicEdgePool::Vertex> sites;
@@ -216,23 +221,30 @@ Status Graph::SetLoss(AnyEdge edge, const Loss& loss) {
 }
 
 void Graph::Compact() {
-  for (const auto& pool : edge_pools_) pool->Compact();
-  for (const auto& pool : vertex_pools_) pool->Compact();
+  for (const auto& pool : edge_pools_)
+    pool->Compact();
+  for (const auto& pool : vertex_pools_)
+    pool->Compact();
 }
 
 void Graph::SaveStates() {
-  for (const auto& pool : vertex_pools_) pool->Save();
-  for (FreeTangent& t : free_tangents_) std::copy_n(t.dphi, 3, t.saved_dphi);
+  for (const auto& pool : vertex_pools_)
+    pool->Save();
+  for (FreeTangent& t : free_tangents_)
+    std::copy_n(t.dphi, 3, t.saved_dphi);
 }
 
 void Graph::RestoreStates() {
-  for (const auto& pool : vertex_pools_) pool->Restore();
-  for (FreeTangent& t : free_tangents_) std::copy_n(t.saved_dphi, 3, t.dphi);
+  for (const auto& pool : vertex_pools_)
+    pool->Restore();
+  for (FreeTangent& t : free_tangents_)
+    std::copy_n(t.saved_dphi, 3, t.dphi);
 }
 
 Graph Graph::Clone() const {
   Graph copy;
-  for (const auto& pool : vertex_pools_) copy.vertex_pools_.push_back(pool->Clone());
+  for (const auto& pool : vertex_pools_)
+    copy.vertex_pools_.push_back(pool->Clone());
   for (const auto& pool : edge_pools_) {
     copy.edge_pools_.push_back(pool->Clone(copy.vertex_pools_));
   }

@@ -12,7 +12,8 @@ namespace {
 
 Status NoValue(const EdgePoolBase& pool, int edge) {
   const AnyEdge handle = pool.HandleAt(edge);
-  return {StatusCode::kEvaluationFailed, "edge " + ToString(handle) + " has no finite value", handle};
+  return {StatusCode::kEvaluationFailed, "edge " + ToString(handle) + " has no finite value",
+          handle};
 }
 
 template <class F>
@@ -30,11 +31,14 @@ Status ForEachLiveEdge(const Graph::EdgePools& pools, F&& f) {
 
 int Graph::NumVertices() const {
   int count = 0;
-  for (const auto& pool : vertex_pools_) count += pool->slots().NumAlive();
+  for (const auto& pool : vertex_pools_)
+    count += pool->slots().NumAlive();
   return count;
 }
 
-int Graph::NumEdges() const { return static_cast<int>(Edges().size()); }
+int Graph::NumEdges() const {
+  return static_cast<int>(Edges().size());
+}
 
 std::vector<AnyVertex> Graph::Vertices() const {
   std::vector<AnyVertex> vertices;

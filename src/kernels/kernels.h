@@ -18,6 +18,8 @@
 
 #include <stdint.h>
 
+#include "kernels/reprojection.h"
+
 namespace glissade::kernels {
 
 enum class Isa { kBaseline = 0, kAvx2 = 1, kAvx512 = 2 };
@@ -50,7 +52,8 @@ struct KernelTable {
   /// x1 <- L11^-T (x1 - L21' x2).
   void (*backward_solve_partial)(int n, int nb, const double* l, int lda, double* x);
 
-  /// cholesky_solve, forward_solve, backward_solve for the nrhs columns of B (n x nrhs, column-major, ldb >= n).
+  /// cholesky_solve, forward_solve, backward_solve for the nrhs columns of B (n x nrhs,
+  /// column-major, ldb >= n).
   void (*cholesky_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
   void (*forward_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
   void (*backward_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
@@ -85,6 +88,24 @@ struct KernelTable {
   /// whole.
   void (*schur_update)(int m, const int32_t* row_offset, const int32_t* dim, int dl,
                        const double* y, const double* w, double* s, int lds);
+
+  // ---- Reprojection, fused (kernels/reprojection.h) ---------------------------------------------
+
+  /// Residuals, derivatives and their products for all landmarks of a host: every `out` member.
+  void (*reprojection_linearize)(ReprojectionHost* host);
+  /// The cost alone.
+  double (*reprojection_cost)(const ReprojectionHost* host);
+  /// One column per lane, of 7 + 6 num_targets rows:
+  ///   [beta; scale * W_host; scale * W_target 0; ...]   in twists; ldw >= that.
+  void (*reprojection_panel)(const ReprojectionHost* host, const double* scale, const double* beta,
+                             double* w, int ldw);
+  /// step = inverse_h (b_l - W' xi); twists: 6 numbers for the host, then for each target.
+  void (*reprojection_back_substitute)(const ReprojectionHost* host, const double* twists,
+                                       const double* inverse_h, double* step);
+  /// out(r, c) += alpha (Ti' B Tj)(r, c), 6 x 6. Ti and Tj row-major with rows of 8 doubles whose
+  /// last two are 0; B row-major with rows of ldb.
+  void (*map_block)(double alpha, const double* ti, const double* b, int ldb, const double* tj,
+                    double* out, int row_stride, int col_stride);
 
   /// Inverts a symmetric positive definite matrix of size n (1 to 4) in place, row-major, full
   /// (only the lower triangle is read, both are written).

@@ -9,12 +9,15 @@
 
 #include "glissade/linear/normal_equations.h"
 #include "kernels/kernels.h"
+#include "linear/reprojection_terms.h"
 
 namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 constexpr int kColumnsPerTask = 64;
 
@@ -55,7 +58,8 @@ void NormalEquations::ScatterPoseBlocks(const Structure& structure, const Dampin
     const double* block = h_pp_[0].data() + pair.offset;
     double* out = S + row.offset + static_cast<std::ptrdiff_t>(col.offset) * stride_;
     for (int c = 0; c < col.dim; ++c, out += stride_) {
-      for (int r = 0; r < row.dim; ++r) out[r] = block[r * col.dim + c];
+      for (int r = 0; r < row.dim; ++r)
+        out[r] = block[r * col.dim + c];
     }
   }
   for (int k = 0; k < num_poses_scalars_; ++k) {
@@ -64,10 +68,10 @@ void NormalEquations::ScatterPoseBlocks(const Structure& structure, const Dampin
       pivot = 1.0;
       continue;
     }
-    const double d = damping.identity || damping.reduced_only
-                         ? 1.0
-                         : std::clamp(diagonal_[Index(k)], damping.min_diagonal,
-                                      damping.max_diagonal);
+    const double d =
+        damping.identity || damping.reduced_only
+            ? 1.0
+            : std::clamp(diagonal_[Index(k)], damping.min_diagonal, damping.max_diagonal);
     pivot += damping.lambda * d;
   }
 }
@@ -116,7 +120,8 @@ bool NormalEquations::EliminateChunk(const Structure& structure, const DampingTe
         double b = 0.0;
         for (int c = 0; c < dim; ++c) {
           double sum = 0.0;
-          for (int i = 0; i < dim; ++i) sum += W[k + i] * inverse[i * dim + c];
+          for (int i = 0; i < dim; ++i)
+            sum += W[k + i] * inverse[i * dim + c];
           y[k + c] = sum;
           b += sum * b_l[c];
         }
@@ -131,7 +136,8 @@ bool NormalEquations::EliminateChunk(const Structure& structure, const DampingTe
 void NormalEquations::ReduceChunks(int num_chunks, ThreadPool* threads) {
   if (num_chunks == 1) return;
   for (int c = 1; c < num_chunks; ++c) {
-    for (std::size_t k = 0; k < b_s_[0].size(); ++k) b_s_[0][k] += b_s_[Index(c)][k];
+    for (std::size_t k = 0; k < b_s_[0].size(); ++k)
+      b_s_[0][k] += b_s_[Index(c)][k];
   }
   const int tasks = (num_poses_scalars_ + kColumnsPerTask - 1) / kColumnsPerTask;
   threads->Run(tasks, [&](int task) {
@@ -141,7 +147,8 @@ void NormalEquations::ReduceChunks(int num_chunks, ThreadPool* threads) {
       for (int c = 1; c < num_chunks; ++c) {
         const double* from = S_[Index(c)].data() + begin;
         double* to = S_[0].data() + begin;
-        for (int r = col; r < num_poses_scalars_; ++r) to[r] += from[r];
+        for (int r = col; r < num_poses_scalars_; ++r)
+          to[r] += from[r];
       }
     }
   });
@@ -150,14 +157,18 @@ void NormalEquations::ReduceChunks(int num_chunks, ThreadPool* threads) {
 Status NormalEquations::Eliminate(const Structure& structure, const Graph& graph,
                                   const DampingTerm& damping, ThreadPool* threads) {
   const int num_chunks = structure.num_chunks();
-  if (S_.size() < Index(num_chunks)) {
-    S_.resize(Index(num_chunks));
-    b_s_.resize(Index(num_chunks));
+  // Copies of S are for landmarks of the general path; the fused ones bring their own.
+  const int num_copies = structure.landmarks().empty() ? 1 : num_chunks;
+  if (S_.size() < Index(num_copies)) {
+    S_.resize(Index(num_copies));
+    b_s_.resize(Index(num_copies));
   }
   for (int c = 0; c < num_chunks; ++c) {
+    chunks_[Index(c)].failed_landmark = chunks_[Index(c)].failed_lane = -1;
+  }
+  for (int c = 0; c < num_copies; ++c) {
     S_[Index(c)].resize(Index(num_poses_scalars_) * Index(stride_));
     b_s_[Index(c)].resize(Index(num_poses_scalars_));
-    chunks_[Index(c)].failed_landmark = -1;
   }
   inverse_begin_.resize(structure.landmarks().size());
   std::int32_t total = 0;
@@ -167,16 +178,28 @@ Status NormalEquations::Eliminate(const Structure& structure, const Graph& graph
   }
   h_ll_inverse_.resize(Index(total));
 
-  threads->Run(num_chunks, [&](int chunk) { EliminateChunk(structure, damping, chunk); });
+  threads->Run(num_chunks, [&](int chunk) {
+    if (chunk < num_copies) EliminateChunk(structure, damping, chunk);
+    chunks_[Index(chunk)].failed_lane = reprojections_->Eliminate(structure, damping, chunk);
+  });
   for (int c = 0; c < num_chunks; ++c) {
     const int failed = chunks_[Index(c)].failed_landmark;
-    if (failed < 0) continue;
-    const LandmarkBlock& landmark = structure.landmarks()[Index(failed)];
-    const AnyVertex vertex = graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index);
+    const int lane = chunks_[Index(c)].failed_lane;
+    if (failed < 0 && lane < 0) continue;
+    AnyVertex vertex;
+    if (failed >= 0) {
+      const LandmarkBlock& landmark = structure.landmarks()[Index(failed)];
+      vertex = graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index);
+    } else {
+      vertex = graph.Pool<VertexInverseDepth>()->HandleAt(
+          structure.reprojections().landmark_of_lane[Index(lane)]);
+    }
     return {StatusCode::kSingular,
-            "landmark " + ToString(vertex) + " has too little information to be eliminated", vertex};
+            "landmark " + ToString(vertex) + " has too little information to be eliminated",
+            vertex};
   }
-  ReduceChunks(num_chunks, threads);
+  ReduceChunks(num_copies, threads);
+  reprojections_->AddReduced(structure, graph, S_[0].data(), stride_, b_s_[0].data());
   return {};
 }
 
@@ -213,20 +236,24 @@ Status NormalEquations::Solve(const Structure& structure, const Graph& graph, Li
       for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
         const double* dx = step_.data() + structure.slot_row()[Index(s)];
         for (int r = 0; r < structure.slot_dim()[Index(s)]; ++r, W += dim) {
-          for (int k = 0; k < dim; ++k) rhs[k] -= W[k] * dx[r];
+          for (int k = 0; k < dim; ++k)
+            rhs[k] -= W[k] * dx[r];
         }
       }
       const double* inverse = h_ll_inverse_.data() + inverse_begin_[Index(l)];
       double* dx_l = step_.data() + num_poses_scalars_ + landmark.step;
       for (int r = 0; r < dim; ++r) {
         double sum = 0.0;
-        for (int c = 0; c < dim; ++c) sum += inverse[r * dim + c] * rhs[c];
+        for (int c = 0; c < dim; ++c)
+          sum += inverse[r * dim + c] * rhs[c];
         dx_l[r] = sum;
       }
     }
+    reprojections_->BackSubstitute(structure, step_, chunk, step_.data() + num_poses_scalars_);
   });
   double poison = 0.0;
-  for (const double x : step_) poison += 0.0 * x;
+  for (const double x : step_)
+    poison += 0.0 * x;
   if (poison != 0.0) return {StatusCode::kNotFinite, "the step is not finite"};
   return {};
 }

@@ -7,11 +7,15 @@
 #include <cmath>
 #include <string>
 
+#include "linear/reprojection_terms.h"
+
 namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 Status NoValue(const Graph& graph, int pool, int edge) {
   const AnyEdge handle = graph.edge_pools()[Index(pool)]->HandleAt(edge);
@@ -20,6 +24,9 @@ Status NoValue(const Graph& graph, int pool, int edge) {
 }
 
 }  // namespace
+
+NormalEquations::NormalEquations() : reprojections_(std::make_unique<ReprojectionTerms>()) {}
+NormalEquations::~NormalEquations() = default;
 
 void NormalEquations::Resize(const Structure& structure) {
   num_poses_scalars_ = structure.num_pose_scalars();
@@ -80,7 +87,25 @@ void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& gr
       return;
     }
   }
-  out.cost = sink.cost;
+  out.cost = sink.cost + reprojections_->Linearize(structure, chunk, sink.h_pp, sink.b_p);
+}
+
+Status NormalEquations::CheckCosts(const Structure& structure, const Graph& graph,
+                                   double* cost) const {
+  *cost = 0.0;
+  for (int c = 0; c < structure.num_chunks(); ++c) {
+    const Chunk& chunk = chunks_[Index(c)];
+    if (chunk.failed_edge >= 0) return NoValue(graph, chunk.failed_pool, chunk.failed_edge);
+    *cost += chunk.cost;
+  }
+  if (std::isfinite(*cost)) return {};
+  const int edge = reprojections_->FindFailed(graph);
+  if (edge >= 0) {
+    const AnyEdge handle = graph.Pool<EdgeReprojection>()->HandleAt(edge);
+    return {StatusCode::kEvaluationFailed,
+            "edge " + ToString(handle) + " has no finite residual or Jacobian", handle};
+  }
+  return {StatusCode::kNotFinite, "the cost is not finite"};
 }
 
 Status NormalEquations::Linearize(const Structure& structure, Graph* graph, ThreadPool* threads,
@@ -90,18 +115,17 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
     const VertexPoolBase* pool = graph->PoolOf(tangent.vertex.type);
     tangent.UpdateBasis(pool->Data(pool->slots().IndexOf(tangent.vertex.slot)));
   }
+  reprojections_->Pack(structure, *graph);
+  reprojections_->Update(structure, *graph);
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int chunk) { LinearizeChunk(structure, *graph, chunk); });
-  *cost = 0.0;
-  for (int c = 0; c < num_chunks; ++c) {
-    const Chunk& chunk = chunks_[Index(c)];
-    if (chunk.failed_edge >= 0) return NoValue(*graph, chunk.failed_pool, chunk.failed_edge);
-    *cost += chunk.cost;
-    if (c == 0) continue;
-    for (std::size_t k = 0; k < h_pp_[0].size(); ++k) h_pp_[0][k] += h_pp_[Index(c)][k];
-    for (std::size_t k = 0; k < b_p_[0].size(); ++k) b_p_[0][k] += b_p_[Index(c)][k];
+  if (Status status = CheckCosts(structure, *graph, cost); !status.ok()) return status;
+  for (int c = 1; c < num_chunks; ++c) {
+    for (std::size_t k = 0; k < h_pp_[0].size(); ++k)
+      h_pp_[0][k] += h_pp_[Index(c)][k];
+    for (std::size_t k = 0; k < b_p_[0].size(); ++k)
+      b_p_[0][k] += b_p_[Index(c)][k];
   }
-  if (!std::isfinite(*cost)) return {StatusCode::kNotFinite, "the cost is not finite"};
   ProjectFreeTangents(structure, graph);
 
   // diag(H) and b in one vector each.
@@ -120,6 +144,12 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
       b_[scalar] = record[landmark.dim * landmark.dim + k];
     }
   }
+  const std::size_t first_lane = Index(num_poses_scalars_ + structure.reprojections().first_step);
+  const std::size_t lanes = structure.reprojections().landmark_of_lane.size();
+  for (std::size_t k = 0; k < lanes; ++k) {
+    diagonal_[first_lane + k] = reprojections_->h()[k];
+    b_[first_lane + k] = reprojections_->b()[k];
+  }
   return {};
 }
 
@@ -133,7 +163,8 @@ void NormalEquations::ProjectFreeTangents(const Structure& structure, Graph* gra
     const FreeTangent& tangent = graph->free_tangents()[Index(pose.free_tangent)];
     RowMajor P = RowMajor::Zero(pose.dim, pose.dim);
     for (int r = 0; r < pose.dim; ++r) {
-      for (int c = 0; c < tangent.free_dim; ++c) P(r, c) = tangent.basis[r * tangent.free_dim + c];
+      for (int c = 0; c < tangent.free_dim; ++c)
+        P(r, c) = tangent.basis[r * tangent.free_dim + c];
     }
     return P;
   };
@@ -163,12 +194,14 @@ void NormalEquations::ProjectFreeTangents(const Structure& structure, Graph* gra
     Eigen::Map<Eigen::VectorXd> b(b_p_[0].data() + pose.offset, pose.dim);
     b = (projector(pose).transpose() * b).eval();
     const int free_dim = graph->free_tangents()[Index(pose.free_tangent)].free_dim;
-    for (int k = free_dim; k < pose.dim; ++k) held_[Index(pose.offset + k)] = 1;
+    for (int k = free_dim; k < pose.dim; ++k)
+      held_[Index(pose.offset + k)] = 1;
   }
 }
 
 Status NormalEquations::Cost(const Structure& structure, const Graph& graph, ThreadPool* threads,
                              double* cost) {
+  reprojections_->Update(structure, graph);
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int c) {
     Chunk& chunk = chunks_[Index(c)];
@@ -182,39 +215,36 @@ Status NormalEquations::Cost(const Structure& structure, const Graph& graph, Thr
         return;
       }
     }
-    chunk.cost = sink.cost;
+    chunk.cost = sink.cost + reprojections_->Cost(structure, c);
   });
-  *cost = 0.0;
-  for (int c = 0; c < num_chunks; ++c) {
-    const Chunk& chunk = chunks_[Index(c)];
-    if (chunk.failed_edge >= 0) return NoValue(graph, chunk.failed_pool, chunk.failed_edge);
-    *cost += chunk.cost;
-  }
-  if (!std::isfinite(*cost)) return {StatusCode::kNotFinite, "the cost is not finite"};
-  return {};
+  return CheckCosts(structure, graph, cost);
 }
 
 double NormalEquations::MaxGradient() const {
   double largest = 0.0;
-  for (const double b : b_) largest = std::max(largest, std::abs(b));
+  for (const double b : b_)
+    largest = std::max(largest, std::abs(b));
   return largest;
 }
 
 double NormalEquations::MaxDiagonal() const {
   double largest = 0.0;
-  for (const double d : diagonal_) largest = std::max(largest, d);
+  for (const double d : diagonal_)
+    largest = std::max(largest, d);
   return largest;
 }
 
 double NormalEquations::StepNorm() const {
   double sum = 0.0;
-  for (const double x : step_) sum += x * x;
+  for (const double x : step_)
+    sum += x * x;
   return std::sqrt(sum);
 }
 
 double NormalEquations::GradientDotStep() const {
   double sum = 0.0;
-  for (std::size_t k = 0; k < b_.size(); ++k) sum += b_[k] * step_[k];
+  for (std::size_t k = 0; k < b_.size(); ++k)
+    sum += b_[k] * step_[k];
   return sum;
 }
 

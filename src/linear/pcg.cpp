@@ -32,7 +32,8 @@ bool PcgSolver::FactorPreconditioner(const ReducedSystem& system) {
     const int dim = system.offsets[k + 1] - offset;
     double* factor = inverse_.data() + block_begin_[k];
     for (int c = 0; c < dim; ++c) {
-      for (int r = c; r < dim; ++r) factor[r + c * dim] = system(offset + r, offset + c);
+      for (int r = c; r < dim; ++r)
+        factor[r + c * dim] = system(offset + r, offset + c);
     }
     if (kernels::Kernels().cholesky(dim, factor, dim) != 0) return false;
   }
@@ -41,7 +42,8 @@ bool PcgSolver::FactorPreconditioner(const ReducedSystem& system) {
 
 void PcgSolver::Precondition(const ReducedSystem& system, const double* r, double* z) const {
   if (options_.preconditioner == Preconditioner::kJacobi) {
-    for (int k = 0; k < system.size; ++k) z[k] = inverse_[static_cast<std::size_t>(k)] * r[k];
+    for (int k = 0; k < system.size; ++k)
+      z[k] = inverse_[static_cast<std::size_t>(k)] * r[k];
     return;
   }
   std::copy_n(r, system.size, z);
@@ -58,7 +60,8 @@ LinearSolverResult PcgSolver::Solve(const ReducedSystem& system, double* x) {
   if (!FactorPreconditioner(system)) return result;
   const kernels::KernelTable& kernel = kernels::Kernels();
   const int n = system.size;
-  for (std::vector<double>* v : {&r_, &z_, &p_, &q_}) v->resize(static_cast<std::size_t>(n));
+  for (std::vector<double>* v : {&r_, &z_, &p_, &q_})
+    v->resize(static_cast<std::size_t>(n));
   std::fill_n(x, n, 0.0);
   std::copy_n(system.b, n, r_.data());
   const double target = options_.tolerance * std::sqrt(kernel.dot(n, system.b, system.b));

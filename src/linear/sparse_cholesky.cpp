@@ -9,14 +9,17 @@
 namespace glissade {
 
 namespace {
-std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
 }  // namespace
 
 bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supernode& node,
                                        int* failed_pivot) {
   const std::int64_t stride = node.stride;
   double* const F = front_.data();
-  for (int c = 0; c < node.size; ++c) std::fill_n(F + c * stride + c, node.size - c, 0.0);
+  for (int c = 0; c < node.size; ++c)
+    std::fill_n(F + c * stride + c, node.size - c, 0.0);
 
   for (std::int32_t e = node.entry_begin; e < node.entry_end; ++e) {
     const Entry& entry = entries_[Index(e)];
@@ -24,11 +27,13 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
     double* to = F + entry.front_row + entry.front_col * stride;
     if (!entry.transposed) {
       for (int c = 0; c < entry.cols; ++c, from += system.stride, to += stride) {
-        for (int r = 0; r < entry.rows; ++r) to[r] = from[r];
+        for (int r = 0; r < entry.rows; ++r)
+          to[r] = from[r];
       }
     } else {
       for (int c = 0; c < entry.cols; ++c, from += system.stride, ++to) {
-        for (int r = 0; r < entry.rows; ++r) to[r * stride] = from[r];
+        for (int r = 0; r < entry.rows; ++r)
+          to[r * stride] = from[r];
       }
     }
   }
@@ -41,8 +46,9 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
     const std::int32_t* map = parent_offset_.data() + child.map_begin;
     for (std::int32_t j = first; j < child.block_end; ++j) {
       const std::int32_t col = block_offset_[Index(j)] - child.cols;
-      const std::int32_t cols = (j + 1 < child.block_end ? block_offset_[Index(j + 1)] : child.size) -
-                                block_offset_[Index(j)];
+      const std::int32_t cols =
+          (j + 1 < child.block_end ? block_offset_[Index(j + 1)] : child.size) -
+          block_offset_[Index(j)];
       for (std::int32_t i = j; i < child.block_end; ++i) {
         const std::int32_t row = block_offset_[Index(i)] - child.cols;
         const std::int32_t count =
@@ -51,7 +57,8 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
         const double* from = update + row + col * rows;
         double* to = F + map[i - first] + map[j - first] * stride;
         for (int c = 0; c < cols; ++c, from += rows, to += stride) {
-          for (int r = 0; r < count; ++r) to[r] += from[r];
+          for (int r = 0; r < count; ++r)
+            to[r] += from[r];
         }
       }
     }
@@ -60,9 +67,10 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
   const int info = kernels::Kernels().cholesky_partial(node.size, node.cols, F, node.stride);
   if (info != 0) {
     std::int32_t k = node.block_begin;
-    while (k + 1 < node.block_end && block_offset_[Index(k + 1)] < info) ++k;
-    *failed_pivot = system.offsets[Index(front_blocks_[Index(k)])] + info - 1 -
-                    block_offset_[Index(k)];
+    while (k + 1 < node.block_end && block_offset_[Index(k + 1)] < info)
+      ++k;
+    *failed_pivot =
+        system.offsets[Index(front_blocks_[Index(k)])] + info - 1 - block_offset_[Index(k)];
     return false;
   }
   std::copy_n(F, stride * node.cols, factor_.data() + node.factor);

@@ -11,7 +11,9 @@
 namespace glissade {
 
 namespace {
-std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 constexpr double kMaxZeros = 0.35;  // part of a front's own columns that may be explicit zeros
 }  // namespace
@@ -38,7 +40,8 @@ void SparseCholeskySolver::Order(const ReducedSystem& system) {
   };
   if (system.pattern.empty()) {
     for (int i = 0; i < n; ++i) {
-      for (int j = 0; j < n; ++j) set(row_of(i), j);
+      for (int j = 0; j < n; ++j)
+        set(row_of(i), j);
     }
   }
   for (const BlockIndex& block : system.pattern) {
@@ -52,7 +55,8 @@ void SparseCholeskySolver::Order(const ReducedSystem& system) {
       }
     }
   };
-  for (int i = 0; i < n; ++i) row_of(i)[i / 64] &= ~(std::uint64_t{1} << (i % 64));
+  for (int i = 0; i < n; ++i)
+    row_of(i)[i / 64] &= ~(std::uint64_t{1} << (i % 64));
 
   column_.resize(std::max(column_.size(), Index(n)));
   order_.clear();
@@ -75,7 +79,8 @@ void SparseCholeskySolver::Order(const ReducedSystem& system) {
     // The neighbours become a clique without the eliminated block.
     for (const std::int32_t j : column) {
       std::uint64_t* row = row_of(j);
-      for (std::size_t w = 0; w < words; ++w) row[w] |= eliminated[w];
+      for (std::size_t w = 0; w < words; ++w)
+        row[w] |= eliminated[w];
       row[j / 64] &= ~(std::uint64_t{1} << (j % 64));
       row[best / 64] &= ~(std::uint64_t{1} << (best % 64));
       local_[Index(j)] = 0;
@@ -99,7 +104,8 @@ void SparseCholeskySolver::BuildSupernodes(const ReducedSystem& system) {
   top_.clear();
   const auto scalars = [&](std::int32_t block) {
     int sum = 0;
-    for (const std::int32_t other : column_[Index(block)]) sum += Dim(system, other);
+    for (const std::int32_t other : column_[Index(block)])
+      sum += Dim(system, other);
     return sum;
   };
   for (const std::int32_t block : order_) {
@@ -135,7 +141,8 @@ void SparseCholeskySolver::BuildSupernodes(const ReducedSystem& system) {
   for (std::size_t s = 0; s < nodes_.size(); ++s) {
     Supernode& node = nodes_[s];
     node.block_begin = static_cast<std::int32_t>(front_blocks_.size());
-    for (std::int32_t b = head_[s]; b >= 0; b = next_own_[Index(b)]) front_blocks_.push_back(b);
+    for (std::int32_t b = head_[s]; b >= 0; b = next_own_[Index(b)])
+      front_blocks_.push_back(b);
     node.num_own = static_cast<std::int32_t>(front_blocks_.size()) - node.block_begin;
     const auto& rows = column_[Index(top_[s])];
     front_blocks_.insert(front_blocks_.end(), rows.begin(), rows.end());
@@ -152,8 +159,10 @@ void SparseCholeskySolver::SortPostorder() {
     return nodes_[s].parent < 0 ? n : Index(nodes_[s].parent);
   };
   begin_.assign(n + 2, 0);
-  for (std::size_t s = 0; s < n; ++s) ++begin_[parent_of(s) + 1];
-  for (std::size_t s = 0; s <= n; ++s) begin_[s + 1] += begin_[s];
+  for (std::size_t s = 0; s < n; ++s)
+    ++begin_[parent_of(s) + 1];
+  for (std::size_t s = 0; s <= n; ++s)
+    begin_[s + 1] += begin_[s];
   children_.resize(n);
   head_.assign(begin_.begin(), begin_.end());
   for (std::size_t s = 0; s < n; ++s) {
@@ -161,7 +170,8 @@ void SparseCholeskySolver::SortPostorder() {
   }
   top_.clear();  // the stack of the search; ~s: node s whose children are done
   local_.clear();
-  for (std::int32_t k = begin_[n + 1]; k-- > begin_[n];) top_.push_back(children_[Index(k)]);
+  for (std::int32_t k = begin_[n + 1]; k-- > begin_[n];)
+    top_.push_back(children_[Index(k)]);
   while (!top_.empty()) {
     const std::int32_t s = top_.back();
     top_.pop_back();
@@ -175,7 +185,8 @@ void SparseCholeskySolver::SortPostorder() {
     }
   }
   head_.resize(n);  // rank of each node
-  for (std::size_t k = 0; k < n; ++k) head_[Index(local_[k])] = static_cast<std::int32_t>(k);
+  for (std::size_t k = 0; k < n; ++k)
+    head_[Index(local_[k])] = static_cast<std::int32_t>(k);
   sorted_nodes_.clear();
   for (const std::int32_t s : local_) {
     Supernode node = nodes_[Index(s)];
@@ -185,8 +196,10 @@ void SparseCholeskySolver::SortPostorder() {
     sorted_nodes_.push_back(node);
   }
   nodes_.swap(sorted_nodes_);
-  for (std::int32_t& child : children_) child = head_[Index(child)];
-  for (std::int32_t& node : node_of_block_) node = head_[Index(node)];
+  for (std::int32_t& child : children_)
+    child = head_[Index(child)];
+  for (std::int32_t& node : node_of_block_)
+    node = head_[Index(node)];
 }
 
 void SparseCholeskySolver::LayOut(const ReducedSystem& system) {
@@ -216,7 +229,8 @@ void SparseCholeskySolver::LayOut(const ReducedSystem& system) {
     top += rows * rows;
     stack_size = std::max(stack_size, top);
     largest = std::max(largest, node.size);
-    for (int c = 0; c < node.cols; ++c) flops += double(node.size - c) * (node.size - c);
+    for (int c = 0; c < node.cols; ++c)
+      flops += double(node.size - c) * (node.size - c);
   }
   factor_.resize(Index(factor));
   // A child's update must outlive the assembly of its parent's front only, but siblings' are below
@@ -246,7 +260,8 @@ void SparseCholeskySolver::ListEntries(const ReducedSystem& system) {
   std::span<const BlockIndex> pattern = system.pattern;
   if (pattern.empty()) {
     for (std::int32_t i = 0; i < n; ++i) {
-      for (std::int32_t j = 0; j <= i; ++j) full_pattern_.push_back({i, j});
+      for (std::int32_t j = 0; j <= i; ++j)
+        full_pattern_.push_back({i, j});
     }
     pattern = full_pattern_;
   }
@@ -256,7 +271,8 @@ void SparseCholeskySolver::ListEntries(const ReducedSystem& system) {
     return Index(node_of_block_[Index(row_first ? block.row : block.col)]);
   };
   begin_.assign(nodes_.size() + 1, 0);
-  for (const BlockIndex& block : pattern) ++begin_[node_of(block) + 1];
+  for (const BlockIndex& block : pattern)
+    ++begin_[node_of(block) + 1];
   for (std::size_t s = 0; s < nodes_.size(); ++s) {
     begin_[s + 1] += begin_[s];
     nodes_[s].entry_begin = begin_[s];

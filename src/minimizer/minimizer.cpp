@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "glissade/vertices/inverse_depth.h"
+
 namespace glissade {
 
 namespace {
@@ -43,13 +45,14 @@ class LevenbergMarquardt {
     w_.threads.Resize(options_.num_threads);
     {
       const Timed timed(&summary_.time.analyze_s);
-      Status status =
-          w_.structure.Analyze(graph_, {.allow_duplicate_observations =
-                                            options_.allow_duplicate_observations});
+      Status status = w_.structure.Analyze(
+          graph_, {.allow_duplicate_observations = options_.allow_duplicate_observations,
+                   .fuse_reprojections = options_.fuse_reprojections});
       if (!status.ok()) return Fail(std::move(status));
     }
     summary_.num_poses = static_cast<int>(w_.structure.poses().size());
-    summary_.num_landmarks = static_cast<int>(w_.structure.landmarks().size());
+    summary_.num_landmarks = static_cast<int>(w_.structure.landmarks().size()) +
+                             w_.structure.reprojections().num_landmarks;
     summary_.num_edges = w_.structure.num_edges();
     if (!Linearize()) return;
     summary_.initial_cost = summary_.final_cost = cost_;
@@ -219,9 +222,9 @@ class LevenbergMarquardt {
     const bool invisible = predicted >= 0.0 && predicted <= rounding;
     iteration_.cost_change = status.ok() ? decrease : 0.0;
     iteration_.gain_ratio = invisible ? 1.0 : GainRatio(damping, decrease, predicted);
-    const bool accept = status.ok() && predicted >= 0.0 && std::isfinite(predicted) &&
-                        (invisible ? decrease >= -rounding
-                                   : decrease > 0.0 && iteration_.gain_ratio > 0.0);
+    const bool accept =
+        status.ok() && predicted >= 0.0 && std::isfinite(predicted) &&
+        (invisible ? decrease >= -rounding : decrease > 0.0 && iteration_.gain_ratio > 0.0);
     if (!accept) {
       graph_->RestoreStates();
       if (status.ok() && options_.cost_tolerance > 0.0 && !options_.course_stop &&
@@ -236,8 +239,11 @@ class LevenbergMarquardt {
 
     ++summary_.accepted_steps;
     cost_ = summary_.final_cost = trial_cost;
+    // Nielsen's update; the course's variant lets no accepted step raise lambda.
     const double t = 2.0 * iteration_.gain_ratio - 1.0;
-    lambda_ = std::max(lambda_ * std::max(1.0 / 3.0, 1.0 - t * t * t), options_.min_lambda);
+    const double most = damping.reduced_only ? 2.0 / 3.0 : 2.0;
+    const double factor = std::clamp(1.0 - t * t * t, 1.0 / 3.0, most);
+    lambda_ = std::max(lambda_ * factor, options_.min_lambda);
     nu_ = 2.0;
     if (CostConverged(decrease) || OutOfTime()) return;
     if (!Linearize()) return;
@@ -248,8 +254,7 @@ class LevenbergMarquardt {
     if (!damping.reduced_only) return predicted > 0.0 ? decrease / predicted : -1.0;
     // The course's: in units of sum of Chi2, with its guard against division by zero.
     const double step = w_.equations.StepNorm();
-    const double model =
-        damping.lambda * step * step + w_.equations.GradientDotStep() + 1e-3;
+    const double model = damping.lambda * step * step + w_.equations.GradientDotStep() + 1e-3;
     return 2.0 * decrease / model;
   }
 
@@ -270,11 +275,17 @@ class LevenbergMarquardt {
     const auto add = [&](std::int32_t pool, std::int32_t index) {
       const VertexPoolBase& vertices = *graph_->vertex_pools()[static_cast<std::size_t>(pool)];
       const double* x = vertices.Data(index);
-      for (int k = 0; k < vertices.ops().ambient_dim; ++k) sum += x[k] * x[k];
+      for (int k = 0; k < vertices.ops().ambient_dim; ++k)
+        sum += x[k] * x[k];
     };
-    for (const PoseBlock& pose : w_.structure.poses()) add(pose.pool, pose.index);
+    for (const PoseBlock& pose : w_.structure.poses())
+      add(pose.pool, pose.index);
     for (const LandmarkBlock& landmark : w_.structure.landmarks()) {
       add(landmark.pool, landmark.index);
+    }
+    const VertexPoolBase* depths = graph_->PoolOf(&kTypeInfo<VertexInverseDepth>);
+    for (const std::int32_t landmark : w_.structure.reprojections().landmark_of_lane) {
+      if (landmark >= 0) add(depths->id(), landmark);
     }
     return std::sqrt(sum);
   }
@@ -300,10 +311,15 @@ class LevenbergMarquardt {
 LinearSolver* SolverWorkspace::Solver(const SolveOptions& options) {
   if (options.linear_solver != nullptr) return options.linear_solver;
   switch (options.linear_solver_type) {
-    case LinearSolverType::kDenseCholesky: return &dense_cholesky;
-    case LinearSolverType::kSparseCholesky: return &sparse_cholesky;
-    case LinearSolverType::kPcg: pcg.set_options(options.pcg); return &pcg;
-    case LinearSolverType::kAuto: break;
+    case LinearSolverType::kDenseCholesky:
+      return &dense_cholesky;
+    case LinearSolverType::kSparseCholesky:
+      return &sparse_cholesky;
+    case LinearSolverType::kPcg:
+      pcg.set_options(options.pcg);
+      return &pcg;
+    case LinearSolverType::kAuto:
+      break;
   }
   // Small fronts run at about a third of the speed of one dense factorization.
   constexpr double kWorthwhile = 0.3;

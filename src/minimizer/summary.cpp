@@ -8,14 +8,22 @@ namespace glissade {
 
 std::string_view ToString(Termination termination) {
   switch (termination) {
-    case Termination::kConvergedCost: return "converged (cost)";
-    case Termination::kConvergedGradient: return "converged (gradient)";
-    case Termination::kConvergedStep: return "converged (step)";
-    case Termination::kMaxIterations: return "iteration limit";
-    case Termination::kMaxTime: return "time limit";
-    case Termination::kCancelled: return "cancelled by callback";
-    case Termination::kNoProgress: return "no progress";
-    case Termination::kFailed: return "failed";
+    case Termination::kConvergedCost:
+      return "converged (cost)";
+    case Termination::kConvergedGradient:
+      return "converged (gradient)";
+    case Termination::kConvergedStep:
+      return "converged (step)";
+    case Termination::kMaxIterations:
+      return "iteration limit";
+    case Termination::kMaxTime:
+      return "time limit";
+    case Termination::kCancelled:
+      return "cancelled by callback";
+    case Termination::kNoProgress:
+      return "no progress";
+    case Termination::kFailed:
+      return "failed";
   }
   return "unknown";
 }

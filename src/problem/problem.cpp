@@ -10,7 +10,9 @@
 namespace glissade {
 
 namespace {
-std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
 }  // namespace
 
 /// What a Problem keeps between solves, and where the step API stands.
@@ -44,8 +46,10 @@ Status Problem::MakeHessian() {
   if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();
   Workspace& w = *workspace_;
   w.linearized = w.solved = w.updated = false;
-  // Studying a graph with a doubled observation is fine; only Solve insists.
-  Status status = w.solver.structure.Analyze(this, {.allow_duplicate_observations = true});
+  // Studying a graph with a doubled observation is fine; only Solve insists. The fused path keeps
+  // no W blocks, so what is to be looked at takes the general one.
+  Status status = w.solver.structure.Analyze(
+      this, {.allow_duplicate_observations = true, .fuse_reprojections = false});
   if (!status.ok()) return status;
   double cost = 0.0;
   status = w.solver.equations.Linearize(w.solver.structure, this, &w.solver.threads, &cost);
@@ -100,8 +104,10 @@ std::vector<AnyVertex> Problem::FreeVertices() const {
   const auto add = [&](const auto& block) {
     vertices.push_back(vertex_pools()[Index(block.pool)]->HandleAt(block.index));
   };
-  for (const PoseBlock& pose : structure.poses()) add(pose);
-  for (const LandmarkBlock& landmark : structure.landmarks()) add(landmark);
+  for (const PoseBlock& pose : structure.poses())
+    add(pose);
+  for (const LandmarkBlock& landmark : structure.landmarks())
+    add(landmark);
   return vertices;
 }
 
@@ -110,9 +116,8 @@ std::vector<int> Problem::FreeOffsets() const {
   if (workspace_ == nullptr) return offsets;
   const Structure& structure = workspace_->solver.structure;
   for (const PoseBlock& pose : structure.poses()) {
-    const int dim = pose.free_tangent < 0
-                        ? pose.dim
-                        : free_tangents()[Index(pose.free_tangent)].free_dim;
+    const int dim =
+        pose.free_tangent < 0 ? pose.dim : free_tangents()[Index(pose.free_tangent)].free_dim;
     offsets.push_back(offsets.back() + dim);
   }
   for (const LandmarkBlock& landmark : structure.landmarks()) {
@@ -152,7 +157,8 @@ void Problem::FillHessian(double* H) const {
     const double* record = equations.landmark_buffer().data() + landmark.record;
     const int begin = offsets[num_poses + l];
     for (int r = 0; r < landmark.dim; ++r) {
-      for (int c = 0; c < landmark.dim; ++c) set(begin + r, begin + c, record[r * landmark.dim + c]);
+      for (int c = 0; c < landmark.dim; ++c)
+        set(begin + r, begin + c, record[r * landmark.dim + c]);
     }
     const double* W = record + landmark.dim * landmark.dim + landmark.dim;
     for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
@@ -174,7 +180,8 @@ void PickFree(const Structure& structure, const std::vector<int>& offsets, const
               const double* landmark_part, double* out) {
   for (std::size_t p = 0; p < structure.poses().size(); ++p) {
     const PoseBlock& pose = structure.poses()[p];
-    for (int k = offsets[p]; k < offsets[p + 1]; ++k) *out++ = pose_part[pose.offset + k - offsets[p]];
+    for (int k = offsets[p]; k < offsets[p + 1]; ++k)
+      *out++ = pose_part[pose.offset + k - offsets[p]];
   }
   std::copy_n(landmark_part, structure.num_landmark_scalars(), out);
 }

@@ -16,8 +16,7 @@ MarginalizeExample TestMarginalize() {
   J << 1, -1, 0,  //
       0, 1, 0,    //
       0, 1, -1;
-  const Matrix3d H =
-      J.transpose() * sigma.cwiseAbs2().cwiseInverse().asDiagonal() * J;
+  const Matrix3d H = J.transpose() * sigma.cwiseAbs2().cwiseInverse().asDiagonal() * J;
 
   Eigen::PermutationMatrix<3> move_last;
   move_last.indices() << 0, 2, 1;  // variable 2 goes to the end

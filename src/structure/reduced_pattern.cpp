@@ -26,12 +26,17 @@ void Structure::BuildReducedPattern() {
     }
     for (const std::int32_t* b = begin; b != end; ++b) {
       std::uint64_t* row = adjacency_.data() + static_cast<std::size_t>(*b) * words;
-      for (std::size_t w = 0; w < words; ++w) row[w] |= slot_mask_[w];
+      for (std::size_t w = 0; w < words; ++w)
+        row[w] |= slot_mask_[w];
     }
   }
   for (const PoseBlockPair& pair : h_blocks_) {
-    adjacency_[static_cast<std::size_t>(pair.row) * words + static_cast<std::size_t>(pair.col) / 64] |=
-        std::uint64_t{1} << (pair.col % 64);
+    adjacency_[static_cast<std::size_t>(pair.row) * words +
+               static_cast<std::size_t>(pair.col) / 64] |= std::uint64_t{1} << (pair.col % 64);
+  }
+  for (const ReprojectionBlock& block : plan_.blocks) {
+    adjacency_[static_cast<std::size_t>(block.row) * words +
+               static_cast<std::size_t>(block.col) / 64] |= std::uint64_t{1} << (block.col % 64);
   }
   reduced_pattern_.clear();
   for (std::size_t row = 0; row < n; ++row) {

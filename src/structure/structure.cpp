@@ -5,27 +5,37 @@
 #include <algorithm>
 #include <limits>
 
+#include "glissade/vertices/inverse_depth.h"
+
 namespace glissade {
 
 namespace {
 
 constexpr std::int32_t kInactive = std::numeric_limits<std::int32_t>::min();
-constexpr int kEdgesPerChunk = 1500;  // below this, handing work to a thread costs more than it saves
-constexpr int kMaxChunks = 8;         // each chunk has its own copy of H_pp and S
+constexpr int kEdgesPerChunk =
+    1500;                      // below this, handing work to a thread costs more than it saves
+constexpr int kMaxChunks = 8;  // each chunk has its own copy of H_pp and S
 
-std::size_t Index(int i) { return static_cast<std::size_t>(i); }
+std::size_t Index(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
 Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   const bool must_check = !checked_duplicates_ && !options.allow_duplicate_observations;
-  if (graph_ == graph && version_ == graph->structure_version() && !must_check) return {};
+  if (graph_ == graph && version_ == graph->structure_version() && !must_check &&
+      fuses_ == options.fuse_reprojections) {
+    return {};
+  }
   graph_ = nullptr;
   graph->Compact();
   num_pools_ = graph->edge_pools().size();
   words_.resize(num_pools_);
-  for (auto& words : words_) words.clear();
-  for (const auto& pool : graph->edge_pools()) pool->Prepare();
+  for (auto& words : words_)
+    words.clear();
+  for (const auto& pool : graph->edge_pools())
+    pool->Prepare();
 
   FlattenEdges(*graph);
   if (!options.allow_duplicate_observations) {
@@ -34,6 +44,9 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   checked_duplicates_ = !options.allow_duplicate_observations;
   NumberVariables(*graph);
   ListLandmarkEdges(*graph);
+  fuses_ = options.fuse_reprojections;
+  PlanReprojections(*graph, fuses_);
+  NumberLandmarkSteps(*graph);
   CutIntoChunks();
 
   // Pose blocks always have their diagonal; pairs are added as edges bring them in.
@@ -79,6 +92,7 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
       ++runs[ref.pool].count;
     }
   }
+  FinishReprojectionPlan();
   if (Status status = CheckSize(); !status.ok()) return status;
   BuildReducedPattern();
   ++analysis_;
@@ -97,7 +111,8 @@ void Structure::FlattenEdges(const Graph& graph) {
     edges.begin.clear();
     edges.arity = pool.fixed_arity();
     if (edges.arity > 0) {
-      for (int i = 0; i < edges.arity; ++i) edges.pool.push_back(pool.vertex_pool(0, i)->id());
+      for (int i = 0; i < edges.arity; ++i)
+        edges.pool.push_back(pool.vertex_pool(0, i)->id());
       edges.index.resize(Index(count) * Index(edges.arity));
     } else {
       edges.begin.push_back(0);
@@ -141,7 +156,8 @@ void Structure::NumberVariables(const Graph& graph) {
       if (pool.fix(k) == Fix::kWhole || touched_[p][Index(k)] == 0) continue;
       if (pool.eliminated(k)) {
         variable_[p][Index(k)] = ~static_cast<std::int32_t>(landmarks_.size());
-        landmarks_.push_back({static_cast<std::int32_t>(p), k, dim, 0, num_landmark_scalars_, 0, 0});
+        landmarks_.push_back(
+            {static_cast<std::int32_t>(p), k, dim, 0, num_landmark_scalars_, 0, 0});
         num_landmark_scalars_ += dim;
       } else {
         variable_[p][Index(k)] = static_cast<std::int32_t>(poses_.size());
@@ -158,9 +174,6 @@ void Structure::NumberVariables(const Graph& graph) {
       edges.variable[k] = variable_[Index(edges.pool[position])][Index(edges.index[k])];
     }
   }
-  for (const LandmarkBlock& landmark : landmarks_) {
-    step_offsets_[Index(landmark.pool)][Index(landmark.index)] = num_pose_scalars() + landmark.step;
-  }
   const auto& tangents = graph.free_tangents();
   for (std::size_t t = 0; t < tangents.size(); ++t) {
     const VertexPoolBase* pool = graph.PoolOf(tangents[t].vertex.type);
@@ -169,6 +182,20 @@ void Structure::NumberVariables(const Graph& graph) {
     if (block == kInactive) continue;
     poses_[Index(block)].free_tangent = static_cast<std::int32_t>(t);
     step_offsets_[Index(pool->id())][Index(index)] = -1;
+  }
+}
+
+void Structure::NumberLandmarkSteps(const Graph& graph) {
+  for (const LandmarkBlock& landmark : landmarks_) {
+    step_offsets_[Index(landmark.pool)][Index(landmark.index)] = num_pose_scalars() + landmark.step;
+  }
+  if (plan_.empty()) return;
+  std::vector<std::int32_t>& offsets = step_offsets_[Index(graph.Pool<VertexInverseDepth>()->id())];
+  for (std::size_t lane = 0; lane < plan_.landmark_of_lane.size(); ++lane) {
+    const std::int32_t landmark = plan_.landmark_of_lane[lane];
+    if (landmark < 0) continue;
+    offsets[Index(landmark)] =
+        num_pose_scalars() + plan_.first_step + static_cast<std::int32_t>(lane);
   }
 }
 
@@ -214,7 +241,8 @@ void Structure::CutIntoChunks() {
   landmark_chunks_.push_back(0);
   int l = 0;
   for (int c = 1; c < num_chunks_; ++c) {
-    while (l < num_landmarks && landmark_edges_begin_[Index(l)] < total * c / num_chunks_) ++l;
+    while (l < num_landmarks && landmark_edges_begin_[Index(l)] < total * c / num_chunks_)
+      ++l;
     landmark_chunks_.push_back(l);
   }
   landmark_chunks_.push_back(num_landmarks);
@@ -285,7 +313,8 @@ void Structure::WriteEdge(const EdgeRef& ref, int landmark) {
 std::int32_t Structure::PairOffset(std::int32_t row, std::int32_t col) {
   if (2 * (h_blocks_.size() + 1) > pair_table_.size()) GrowPairTable();
   const std::size_t mask = pair_table_.size() - 1;
-  const std::uint64_t key = (static_cast<std::uint64_t>(row) << 32) | static_cast<std::uint32_t>(col);
+  const std::uint64_t key =
+      (static_cast<std::uint64_t>(row) << 32) | static_cast<std::uint32_t>(col);
   std::size_t slot = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ull) >> 32) & mask;
   for (;; slot = (slot + 1) & mask) {
     const std::int32_t found = pair_table_[slot];
@@ -307,7 +336,8 @@ void Structure::GrowPairTable() {
     const std::uint64_t key = (static_cast<std::uint64_t>(h_blocks_[k].row) << 32) |
                               static_cast<std::uint32_t>(h_blocks_[k].col);
     std::size_t slot = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ull) >> 32) & mask;
-    while (pair_table_[slot] >= 0) slot = (slot + 1) & mask;
+    while (pair_table_[slot] >= 0)
+      slot = (slot + 1) & mask;
     pair_table_[slot] = static_cast<std::int32_t>(k);
   }
 }
@@ -328,7 +358,8 @@ Status Structure::FindDuplicates(const Graph& graph) {
     if (edges.arity == 0) continue;  // dynamic edges are not observations
     const int arity = edges.arity;
     std::size_t size = 64;
-    while (size < 2 * Index(pool.size())) size *= 2;
+    while (size < 2 * Index(pool.size()))
+      size *= 2;
     duplicate_table_.assign(size, {-1, -1});
     for (int edge = 0; edge < pool.size(); ++edge) {
       const std::int32_t* a = edges.index.data() + edges.Begin(edge);
@@ -343,10 +374,10 @@ Status Structure::FindDuplicates(const Graph& graph) {
         const std::int32_t* b = edges.index.data() + edges.Begin(other);
         if (std::equal(a, a + arity, b) && pool.IsDuplicate(other, edge)) {
           const AnyEdge first = pool.HandleAt(other), second = pool.HandleAt(edge);
-          return {StatusCode::kDuplicate,
-                  "the same observation twice: edges " + ToString(first) + " and " +
-                      ToString(second),
-                  first, second};
+          return {
+              StatusCode::kDuplicate,
+              "the same observation twice: edges " + ToString(first) + " and " + ToString(second),
+              first, second};
         }
       }
       duplicate_table_[slot] = {static_cast<std::int32_t>(p), edge};

@@ -63,7 +63,8 @@ struct AnyVertex {
   std::uint32_t generation = 0;
 
   AnyVertex() = default;
-  AnyVertex(const TypeInfo* t, std::uint32_t s, std::uint32_t g) : type(t), slot(s), generation(g) {}
+  AnyVertex(const TypeInfo* t, std::uint32_t s, std::uint32_t g)
+      : type(t), slot(s), generation(g) {}
   template <class V>
   AnyVertex(VertexHandle<V> h)  // NOLINT: implicit, a typed handle is a handle
       : type(&kTypeInfo<V>), slot(h.slot), generation(h.generation) {}

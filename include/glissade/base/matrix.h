@@ -8,8 +8,8 @@
 /// Fixed-size matrix types for everything that is stored or passed between translation units.
 ///
 /// They are Eigen types without alignment requirement. Eigen's defaults align fixed-size members to
-/// 16, 32 or 64 bytes depending on the instruction set a translation unit is compiled for, so that a
-/// library built for plain x86-64 and a program built with -march=native would disagree about the
+/// 16, 32 or 64 bytes depending on the instruction set a translation unit is compiled for, so that
+/// a library built for plain x86-64 and a program built with -march=native would disagree about the
 /// layout of every struct that holds one. With DontAlign the layout is the same everywhere.
 namespace glissade {
 

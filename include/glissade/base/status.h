@@ -16,17 +16,17 @@ namespace glissade {
 
 enum class StatusCode {
   kOk = 0,
-  kInvalidArgument,      ///< an argument or option that makes no sense
-  kUnknownHandle,        ///< null, removed, or of another graph
-  kNotFinite,            ///< NaN or Inf where a number is required
-  kNotPositive,          ///< information not positive semi-definite, sigma not positive
-  kDuplicate,            ///< the same observation twice
-  kEliminatedPair,       ///< an edge between two eliminated vertices
-  kRepeatedVertex,       ///< one vertex twice in one edge
-  kSingular,             ///< a block without information that would have to be inverted
-  kEvaluationFailed,     ///< an edge has no value at this point
-  kIoError,              ///< a file cannot be opened, read or written
-  kParseError,           ///< a file's content is malformed
+  kInvalidArgument,   ///< an argument or option that makes no sense
+  kUnknownHandle,     ///< null, removed, or of another graph
+  kNotFinite,         ///< NaN or Inf where a number is required
+  kNotPositive,       ///< information not positive semi-definite, sigma not positive
+  kDuplicate,         ///< the same observation twice
+  kEliminatedPair,    ///< an edge between two eliminated vertices
+  kRepeatedVertex,    ///< one vertex twice in one edge
+  kSingular,          ///< a block without information that would have to be inverted
+  kEvaluationFailed,  ///< an edge has no value at this point
+  kIoError,           ///< a file cannot be opened, read or written
+  kParseError,        ///< a file's content is malformed
 };
 
 std::string_view ToString(StatusCode code);
@@ -67,7 +67,7 @@ class Status {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : value_(std::move(value)) {}  // NOLINT: implicit by design
+  Result(T value) : value_(std::move(value)) {}         // NOLINT: implicit by design
   Result(Status status) : status_(std::move(status)) {  // NOLINT: implicit by design
     if (status_.ok()) status_ = Status(StatusCode::kInvalidArgument, "Result without a value");
   }
@@ -86,8 +86,8 @@ class [[nodiscard]] Result {
   T* operator->() { return &value_; }
 
   template <class U>
-    requires(!std::same_as<U, bool> && !std::same_as<std::remove_cvref_t<U>, Result> &&
-             !std::same_as<U, Status> && std::convertible_to<const T&, U>)
+  requires(!std::same_as<U, bool> && !std::same_as<std::remove_cvref_t<U>, Result> &&
+           !std::same_as<U, Status> && std::convertible_to<const T&, U>)
   operator U() const {  // NOLINT: implicit by design
     return static_cast<U>(value_);
   }

@@ -24,7 +24,8 @@ class ThreadPool {
   template <class F>
   void Run(int num_chunks, F&& f) {
     if (num_threads_ == 1 || num_chunks == 1) {
-      for (int chunk = 0; chunk < num_chunks; ++chunk) f(chunk);
+      for (int chunk = 0; chunk < num_chunks; ++chunk)
+        f(chunk);
       return;
     }
     RunOnThreads(

@@ -30,7 +30,9 @@ class DynamicEdgePool final : public EdgePoolBase {
   [[nodiscard]] int arity(int edge) const override {
     return static_cast<int>(EntryAt(edge).vertices.size());
   }
-  [[nodiscard]] int residual_dim(int edge) const override { return EntryAt(edge).edge->ResidualDim(); }
+  [[nodiscard]] int residual_dim(int edge) const override {
+    return EntryAt(edge).edge->ResidualDim();
+  }
   [[nodiscard]] VertexPoolBase* vertex_pool(int edge, int i) const override {
     return EntryAt(edge).vertices[static_cast<std::size_t>(i)].pool;
   }

@@ -35,8 +35,8 @@ bool SqrtOfInformation(int n, const double* omega, double* sqrt);
 /// Checks and converts what the user gave to L; identity is set where L = I.
 template <int R>
 Status MakeSqrtInformation(const std::optional<SquareMatrix<R>>& sqrt_information,
-                           const std::optional<SquareMatrix<R>>& information,
-                           SquareMatrix<R>* sqrt, bool* identity) {
+                           const std::optional<SquareMatrix<R>>& information, SquareMatrix<R>* sqrt,
+                           bool* identity) {
   *sqrt = SquareMatrix<R>::Identity();
   *identity = true;
   if (sqrt_information && information) {

@@ -22,16 +22,32 @@ namespace glissade {
 namespace plan {
 inline constexpr std::int32_t kNone = -1;
 inline constexpr std::int32_t kLandmark = -2;
-constexpr std::int32_t Transposed(std::int32_t offset) { return -offset - 2; }
-constexpr int Pair(int i, int j) { return i * (i + 1) / 2 + j; }
-constexpr int NumPairs(int arity) { return arity * (arity + 1) / 2; }
+constexpr std::int32_t Transposed(std::int32_t offset) {
+  return -offset - 2;
+}
+constexpr int Pair(int i, int j) {
+  return i * (i + 1) / 2 + j;
+}
+constexpr int NumPairs(int arity) {
+  return arity * (arity + 1) / 2;
+}
 constexpr int kEdge = 0;
 constexpr int kLandmarkRecord = 1;
-constexpr int State(int i) { return 2 + i; }
-constexpr int Target(int arity, int i) { return 2 + arity + i; }
-constexpr int WBlock(int arity, int i) { return 2 + 2 * arity + i; }
-constexpr int HBlock(int arity, int pair) { return 2 + 3 * arity + pair; }
-constexpr int NumWords(int arity) { return 2 + 3 * arity + NumPairs(arity); }
+constexpr int State(int i) {
+  return 2 + i;
+}
+constexpr int Target(int arity, int i) {
+  return 2 + arity + i;
+}
+constexpr int WBlock(int arity, int i) {
+  return 2 + 2 * arity + i;
+}
+constexpr int HBlock(int arity, int pair) {
+  return 2 + 3 * arity + pair;
+}
+constexpr int NumWords(int arity) {
+  return 2 + 3 * arity + NumPairs(arity);
+}
 }  // namespace plan
 
 /// Where a run of edges adds to: H = J'J, b = -J'r in the Gauss-Newton sense (robust weights

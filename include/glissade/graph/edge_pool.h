@@ -86,7 +86,8 @@ class EdgePool final : public EdgePoolBase {
 
   [[nodiscard]] int fixed_arity() const override { return kArity; }
   void AllDenseIndices(std::int32_t* indices) const override {
-    for (int edge = 0; edge < size(); ++edge, indices += kArity) DenseIndices(edge, indices);
+    for (int edge = 0; edge < size(); ++edge, indices += kArity)
+      DenseIndices(edge, indices);
   }
 
   bool Evaluate(int edge, const double* const* states, double* residual,
@@ -108,7 +109,8 @@ class EdgePool final : public EdgePoolBase {
         ((jacobians[I] != nullptr ? copy(std::get<I>(J), jacobians[I]) : void()), ...);
       }
       return finite;
-    }(std::make_index_sequence<kArity>{});
+    }
+    (std::make_index_sequence<kArity>{});
   }
 
   void Whiten(int edge, double* residual, double* const* jacobians) const override {
@@ -127,7 +129,8 @@ class EdgePool final : public EdgePoolBase {
   [[nodiscard]] double Chi2(int edge) const override {
     return Apply(DenseIndices(edge), [&](const auto&... vertex) {
       Vector<kRows> r;
-      if (!EvaluateResidual(At(edge), r, vertex...)) return std::numeric_limits<double>::quiet_NaN();
+      if (!EvaluateResidual(At(edge), r, vertex...))
+        return std::numeric_limits<double>::quiet_NaN();
       return WhitenedSquaredNorm(edge, r);
     });
   }
@@ -245,13 +248,13 @@ class EdgePool final : public EdgePoolBase {
   auto Apply(const Indices& state, F&& f) const {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
       return f(std::get<I>(pools_)->At(state[I])...);
-    }(std::make_index_sequence<kArity>{});
+    }
+    (std::make_index_sequence<kArity>{});
   }
 
   template <class... V>
   static bool EvaluateResidual(const E& edge, Vector<kRows>& r, const V&... vertex) {
-    return edge.Evaluate(vertex..., r,
-                         static_cast<Jacobian<kRows, V::kTangentDim>*>(nullptr)...);
+    return edge.Evaluate(vertex..., r, static_cast<Jacobian<kRows, V::kTangentDim>*>(nullptr)...);
   }
 
   double WhitenedSquaredNorm(int edge, const Vector<kRows>& r) const {

@@ -29,7 +29,8 @@ bool EdgePool<E>::LinearizeOne(const std::int32_t* words, NormalEquationsSink* s
         std::get<I>(pools_)->At(words[plan::State(static_cast<int>(I))])..., r,
         (words[plan::Target(kArity, static_cast<int>(I))] != plan::kNone ? &std::get<I>(J)
                                                                          : nullptr)...);
-  }(std::make_index_sequence<kArity>{});
+  }
+  (std::make_index_sequence<kArity>{});
   if (!ok) return false;
 
   const auto for_free = [&](auto&& f) {
@@ -116,7 +117,8 @@ void EdgePool<E>::AccumulateVertex(const std::int32_t* words, const Vector<kRows
       b_l.noalias() -= J_i.transpose().lazyProduct(r);
       [&]<int... K>(std::integer_sequence<int, K...>) {
         (AccumulateW<K, I>(words, jacobians, sink), ...);
-      }(std::make_integer_sequence<int, kArity>{});
+      }
+      (std::make_integer_sequence<int, kArity>{});
     }
     return;
   }
@@ -124,7 +126,8 @@ void EdgePool<E>::AccumulateVertex(const std::int32_t* words, const Vector<kRows
   b.noalias() -= J_i.transpose().lazyProduct(r);
   [&]<int... K>(std::integer_sequence<int, K...>) {
     (AccumulatePair<I, K>(words, jacobians, sink), ...);
-  }(std::make_integer_sequence<int, I + 1>{});
+  }
+  (std::make_integer_sequence<int, I + 1>{});
 }
 
 template <EdgeType E>
@@ -132,7 +135,8 @@ void EdgePool<E>::Accumulate(const std::int32_t* words, const Vector<kRows>& r,
                              const Jacobians& jacobians, NormalEquationsSink* sink) {
   [&]<int... I>(std::integer_sequence<int, I...>) {
     (AccumulateVertex<I>(words, r, jacobians, sink), ...);
-  }(std::make_integer_sequence<int, kArity>{});
+  }
+  (std::make_integer_sequence<int, kArity>{});
 }
 
 }  // namespace glissade

@@ -74,7 +74,8 @@ Result<std::vector<VertexHandle<V>>> Graph::AddVertices(std::span<const V> value
   std::vector<VertexHandle<V>> handles;
   handles.reserve(values.size());
   VertexPool<V>& pool = MakePool<V>();
-  for (const V& value : values) handles.push_back(pool.Add(value));
+  for (const V& value : values)
+    handles.push_back(pool.Add(value));
   StructureChanged();
   return handles;
 }
@@ -84,7 +85,8 @@ Status Graph::CheckEdge(const E& edge, const EdgeVertexHandles<E>& vertices) con
   constexpr std::size_t kArity = E::Vertices::kSize;
   const auto handles = [&]<std::size_t... I>(std::index_sequence<I...>) {
     return std::array<AnyVertex, kArity>{AnyVertex(std::get<I>(vertices))...};
-  }(std::make_index_sequence<kArity>{});
+  }
+  (std::make_index_sequence<kArity>{});
   if (Status status = CheckEdgeVertices(handles, kTypeInfo<E>.name); !status.ok()) return status;
   return internal::About(internal::ValidateIfPossible(edge), kTypeInfo<E>.name);
 }
@@ -177,8 +179,7 @@ Status Graph::SetSqrtInformation(EdgeHandle<E> edge, const SquareMatrix<E::kResi
 }
 
 template <EdgeType E>
-Status Graph::SetInformation(EdgeHandle<E> edge,
-                             const SquareMatrix<E::kResidualDim>& information) {
+Status Graph::SetInformation(EdgeHandle<E> edge, const SquareMatrix<E::kResidualDim>& information) {
   SquareMatrix<E::kResidualDim> sqrt;
   bool identity = true;
   const Status status = internal::MakeSqrtInformation<E::kResidualDim>(

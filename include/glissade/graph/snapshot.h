@@ -8,7 +8,8 @@
 
 namespace glissade {
 
-/// The values of all vertices of a graph at one moment. Plain numbers: copy it, keep it, compare it.
+/// The values of all vertices of a graph at one moment. Plain numbers: copy it, keep it, compare
+/// it.
 struct Snapshot {
   std::vector<AnyVertex> vertices;
   /// Ambient states, in the order of vertices, without gaps.

@@ -16,11 +16,11 @@ namespace glissade {
 /// Coordinates of partly fixed vertices that are not free are present as unit rows (S_kk = 1,
 /// b_k = 0), so that a block always has its vertex's full tangent dimension.
 struct ReducedSystem {
-  int size = 0;                             ///< number of scalar unknowns n
-  std::span<const std::int32_t> offsets;    ///< first scalar of each block; offsets.back() == n
-  const double* S = nullptr;                ///< lower triangle, column-major
-  int stride = 0;                           ///< S(i, j) = S[i + j * stride], i >= j
-  const double* b = nullptr;                ///< n numbers
+  int size = 0;                           ///< number of scalar unknowns n
+  std::span<const std::int32_t> offsets;  ///< first scalar of each block; offsets.back() == n
+  const double* S = nullptr;              ///< lower triangle, column-major
+  int stride = 0;                         ///< S(i, j) = S[i + j * stride], i >= j
+  const double* b = nullptr;              ///< n numbers
   /// Blocks of the lower triangle that can be non-zero, row >= col; all others are zero. Empty: all
   /// can be.
   std::span<const BlockIndex> pattern;

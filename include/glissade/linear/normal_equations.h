@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "glissade/base/status.h"
@@ -15,11 +16,13 @@ namespace glissade {
 /// What is added to the normal equations before solving.
 struct DampingTerm {
   double lambda = 0.0;
-  bool identity = false;         ///< D = I instead of the clamped diagonal of H
-  bool reduced_only = false;     ///< lambda I on the reduced system only, landmarks undamped
+  bool identity = false;      ///< D = I instead of the clamped diagonal of H
+  bool reduced_only = false;  ///< lambda I on the reduced system only, landmarks undamped
   double min_diagonal = 1e-6;
   double max_diagonal = 1e32;
 };
+
+class ReprojectionTerms;
 
 /// The Gauss-Newton equations H dx = b of a graph by blocks, with landmarks apart:
 ///
@@ -30,6 +33,9 @@ struct DampingTerm {
 /// for as many lambdas as are needed. All storage is kept between calls.
 class NormalEquations {
  public:
+  NormalEquations();
+  ~NormalEquations();
+
   /// H, b and the cost at the graph's present values. On failure names the edge that has no value.
   Status Linearize(const Structure& structure, Graph* graph, ThreadPool* threads, double* cost);
   /// The cost alone. NaN-free: an edge without a value is a status.
@@ -75,11 +81,14 @@ class NormalEquations {
   void ScatterPoseBlocks(const Structure& structure, const DampingTerm& damping);
   void ReduceChunks(int num_chunks, ThreadPool* threads);
 
+  Status CheckCosts(const Structure& structure, const Graph& graph, double* cost) const;
+
   struct Chunk {
     double cost = 0.0;
     int failed_pool = -1;
     int failed_edge = -1;
     int failed_landmark = -1;
+    int failed_lane = -1;
     std::vector<double> y;  // W H_ll^-1 of one landmark
   };
 
@@ -88,18 +97,19 @@ class NormalEquations {
   std::vector<Chunk> chunks_;
   std::vector<std::vector<double>> h_pp_;  // per chunk; [0] holds the sum
   std::vector<std::vector<double>> b_p_;
-  std::vector<double> landmarks_;          // records, see edge_plan.h
-  std::vector<double> h_ll_inverse_;       // damped, dim x dim per landmark
+  std::vector<double> landmarks_;     // records, see edge_plan.h
+  std::vector<double> h_ll_inverse_;  // damped, dim x dim per landmark
   std::vector<std::int32_t> inverse_begin_;
-  std::vector<std::vector<double>> S_;     // per chunk, column-major lower; [0] holds the sum
+  std::vector<std::vector<double>> S_;  // per chunk, column-major lower; [0] holds the sum
   std::vector<std::vector<double>> b_s_;
-  std::vector<double> diagonal_;           // diag(H), pose scalars then landmark scalars
-  std::vector<double> b_;                  // the same order
+  std::vector<double> diagonal_;  // diag(H), pose scalars then landmark scalars
+  std::vector<double> b_;         // the same order
   std::vector<double> step_;
   std::vector<double> residual_;
   std::vector<std::uint8_t> held_;
   std::vector<std::int32_t> pose_offsets_;
   std::vector<BlockIndex> reduced_pattern_;
+  std::unique_ptr<ReprojectionTerms> reprojections_;
   std::uint64_t pattern_version_ = 0;
 };
 

@@ -31,23 +31,23 @@ class SparseCholeskySolver final : public LinearSolver {
   struct Supernode {
     std::int32_t block_begin = 0, block_end = 0;  // in front_blocks_: own blocks first, then rows
     std::int32_t num_own = 0;
-    std::int32_t zeros = 0;                       // explicit zeros that merging brought in
-    std::int32_t cols = 0;                        // scalar columns eliminated here
-    std::int32_t size = 0;                        // scalar size of the front
+    std::int32_t zeros = 0;  // explicit zeros that merging brought in
+    std::int32_t cols = 0;   // scalar columns eliminated here
+    std::int32_t size = 0;   // scalar size of the front
     std::int32_t stride = 0;
     std::int64_t factor = 0;                      // offset of [L11; L21] in factor_
     std::int64_t update = 0;                      // offset of the Schur complement in the stack
     std::int32_t entry_begin = 0, entry_end = 0;  // entries_: blocks of S that start here
     std::int32_t child_begin = 0, child_end = 0;  // children_
     std::int32_t parent = -1;
-    std::int32_t map_begin = 0;                   // parent_offset_: one per row block
+    std::int32_t map_begin = 0;  // parent_offset_: one per row block
   };
   /// A block of S: where it lies there and in the front.
   struct Entry {
-    std::int32_t row, col;                // scalar, in S (row >= col)
+    std::int32_t row, col;  // scalar, in S (row >= col)
     std::int32_t rows, cols;
-    std::int32_t front_row, front_col;    // scalar, in the front
-    bool transposed;                      // stored in S the other way round
+    std::int32_t front_row, front_col;  // scalar, in the front
+    bool transposed;                    // stored in S the other way round
   };
 
   void Order(const ReducedSystem& system);
@@ -64,9 +64,9 @@ class SparseCholeskySolver final : public LinearSolver {
 
   std::uint64_t pattern_version_ = 0;
   double flop_ratio_ = 1.0;
-  std::vector<Supernode> nodes_;             // children before parents
-  std::vector<std::int32_t> front_blocks_;   // blocks of each front, in elimination order
-  std::vector<std::int32_t> block_offset_;   // scalar offset of each of them in its front
+  std::vector<Supernode> nodes_;            // children before parents
+  std::vector<std::int32_t> front_blocks_;  // blocks of each front, in elimination order
+  std::vector<std::int32_t> block_offset_;  // scalar offset of each of them in its front
   std::vector<std::int32_t> children_;
   std::vector<std::int32_t> parent_offset_;  // scalar offset of each row block in the parent front
   std::vector<Entry> entries_;

@@ -21,7 +21,7 @@ enum class Damping {
 
 /// How the reduced system is solved.
 enum class LinearSolverType {
-  kAuto,            ///< dense or sparse Cholesky, whichever has less to do
+  kAuto,  ///< dense or sparse Cholesky, whichever has less to do
   kDenseCholesky,
   kSparseCholesky,
   kPcg,
@@ -56,6 +56,8 @@ struct SolveOptions {
   /// Your own solver of the reduced system, used instead of linear_solver_type where not null. Not
   /// owned; must outlive the solve.
   LinearSolver* linear_solver = nullptr;
+  /// Send inverse-depth landmarks that only EdgeReprojection touches through the fused kernels.
+  bool fuse_reprojections = true;
   int num_threads = 1;  ///< does not change a bit of the result
 
   // --- What else ------------------------------------------------------------------------------

@@ -17,9 +17,9 @@ enum class Termination {
   kConvergedStep,      ///< step under tolerance
   kMaxIterations,
   kMaxTime,
-  kCancelled,          ///< the callback said so
-  kNoProgress,         ///< lambda at its limit: no step decreases the cost
-  kFailed,             ///< see SolveSummary::status
+  kCancelled,   ///< the callback said so
+  kNoProgress,  ///< lambda at its limit: no step decreases the cost
+  kFailed,      ///< see SolveSummary::status
 };
 
 std::string_view ToString(Termination termination);
@@ -28,15 +28,15 @@ std::string_view ToString(Termination termination);
 struct IterationSummary {
   int iteration = 0;
   bool accepted = true;
-  double cost = 0.0;           ///< after this iteration, 1/2 sum rho [-]
-  double cost_change = 0.0;    ///< decrease that was tried; negative where rejected
-  double gradient_max = 0.0;   ///< max |g_i| at the present linearization
-  double step_norm = 0.0;      ///< |dx| over all variables
-  double gain_ratio = 0.0;     ///< actual over predicted decrease
-  double lambda = 0.0;         ///< damping to be used next
-  int linear_iterations = 0;   ///< of PCG
-  double time_s = 0.0;         ///< of this iteration
-  double total_time_s = 0.0;   ///< since the start of the solve
+  double cost = 0.0;          ///< after this iteration, 1/2 sum rho [-]
+  double cost_change = 0.0;   ///< decrease that was tried; negative where rejected
+  double gradient_max = 0.0;  ///< max |g_i| at the present linearization
+  double step_norm = 0.0;     ///< |dx| over all variables
+  double gain_ratio = 0.0;    ///< actual over predicted decrease
+  double lambda = 0.0;        ///< damping to be used next
+  int linear_iterations = 0;  ///< of PCG
+  double time_s = 0.0;        ///< of this iteration
+  double total_time_s = 0.0;  ///< since the start of the solve
 };
 
 /// Seconds, summed over the solve.

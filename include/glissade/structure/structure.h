@@ -9,12 +9,13 @@
 #include "glissade/base/status.h"
 #include "glissade/graph/graph.h"
 #include "glissade/structure/block_index.h"
+#include "glissade/structure/reprojection_plan.h"
 
 namespace glissade {
 
 /// A free vertex of the reduced system: one block row and column of S.
 struct PoseBlock {
-  std::int32_t pool = 0;           ///< vertex pool and dense index
+  std::int32_t pool = 0;  ///< vertex pool and dense index
   std::int32_t index = 0;
   std::int32_t offset = 0;         ///< first scalar in b_p and S
   std::int32_t dim = 0;            ///< tangent dimension
@@ -49,6 +50,8 @@ struct EdgeRun {
 
 struct StructureOptions {
   bool allow_duplicate_observations = false;
+  /// Send landmarks that qualify through the fused kernels (ReprojectionPlan).
+  bool fuse_reprojections = true;
 };
 
 /// What follows from the graph's topology alone, without a number in it: order of the variables,
@@ -66,7 +69,9 @@ class Structure {
   /// First scalar of each pose block, and their total at the end.
   [[nodiscard]] const std::vector<std::int32_t>& pose_offsets() const { return pose_offsets_; }
   [[nodiscard]] int num_pose_scalars() const { return pose_offsets_.back(); }
+  /// Landmarks of the general path; those of the fused one are in reprojections().
   [[nodiscard]] const std::vector<LandmarkBlock>& landmarks() const { return landmarks_; }
+  [[nodiscard]] const ReprojectionPlan& reprojections() const { return plan_; }
   [[nodiscard]] int num_landmark_scalars() const { return num_landmark_scalars_; }
   [[nodiscard]] int num_edges() const { return num_edges_; }
 
@@ -113,11 +118,25 @@ class Structure {
   void NumberVariables(const Graph& graph);
   Status FindDuplicates(const Graph& graph);
   void ListLandmarkEdges(const Graph& graph);
+  void NumberLandmarkSteps(const Graph& graph);
   void CutIntoChunks();
   void LayOutLandmark(int landmark);
   void WriteEdge(const EdgeRef& ref, int landmark);
   std::int32_t PairOffset(std::int32_t row, std::int32_t col);
   void GrowPairTable();
+  void FindFusedLandmarks(const Graph& graph);
+  void PlanReprojections(const Graph& graph, bool allow);
+  void LayOutGroup(ReprojectionGroup* group);
+  void RemoveFusedFromGeneral();
+  void FinishReprojectionPlan();
+  std::int32_t PlanBlock(std::int32_t row, std::int32_t col);
+  template <class F>
+  void ForEachEdgeOf(std::int32_t landmark, F&& f) const {
+    const auto l = static_cast<std::size_t>(landmark);
+    for (std::int32_t k = landmark_edges_begin_[l]; k < landmark_edges_begin_[l + 1]; ++k) {
+      f(landmark_edges_[static_cast<std::size_t>(k)].edge);
+    }
+  }
   void BuildReducedPattern();
   Status CheckSize() const;
 
@@ -133,6 +152,8 @@ class Structure {
   std::vector<PoseBlockPair> h_blocks_;
   std::int64_t h_size_ = 0;
   std::vector<BlockIndex> reduced_pattern_;
+  ReprojectionPlan plan_;
+  bool fuses_ = true;
   std::uint64_t analysis_ = 0;
   std::int64_t landmark_buffer_size_ = 0;
   std::vector<std::int32_t> slot_block_, slot_row_, slot_dim_;
@@ -152,7 +173,7 @@ class Structure {
     int arity = 0;                    // 0: varies, begin tells
     std::vector<std::int32_t> begin;  // only where the arity varies
     std::vector<std::int32_t> index;
-    std::vector<std::int32_t> pool;   // of each position; arity entries, or one per index
+    std::vector<std::int32_t> pool;  // of each position; arity entries, or one per index
     std::vector<std::int32_t> variable;
 
     [[nodiscard]] int Begin(int edge) const {
@@ -172,6 +193,12 @@ class Structure {
   std::vector<std::int32_t> pair_table_;  // open addressing: index in h_blocks_, or -1
   std::vector<EdgeRef> duplicate_table_;
   std::vector<std::uint64_t> adjacency_, slot_mask_;  // bit rows
+  struct FusedLandmark {
+    std::int32_t group, length, landmark;
+  };
+  std::vector<FusedLandmark> fused_;
+  std::vector<std::uint8_t> is_fused_;
+  std::vector<std::int32_t> group_of_host_, pair_of_pose_, frames_, chain_of_row_, next_in_row_;
 };
 
 }  // namespace glissade

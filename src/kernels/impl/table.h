@@ -7,6 +7,7 @@
 #include "kernels/impl/cholesky.h"
 #include "kernels/impl/partial.h"
 #include "kernels/impl/rank_update.h"
+#include "kernels/impl/reprojection.h"
 #include "kernels/impl/schur.h"
 #include "kernels/impl/small.h"
 #include "kernels/impl/triangular.h"
@@ -47,6 +48,11 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .gemm_nt_sub = GemmNtSub,
     .gemm_nt_add = GemmNtAdd,
     .schur_update = SchurUpdate,
+    .reprojection_linearize = ReprojectionLinearize,
+    .reprojection_cost = ReprojectionCost,
+    .reprojection_panel = ReprojectionPanel,
+    .reprojection_back_substitute = ReprojectionBackSubstitute,
+    .map_block = MapBlock,
     .invert_spd_small = InvertSpdSmall,
 };
 

@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The Schur complement of ReprojectionTerms: host by host, and back.
+
+#include <algorithm>
+#include <cmath>
+
+#include "linear/reprojection_terms.h"
+
+namespace glissade {
+
+namespace {
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+}  // namespace
+
+int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& damping,
+                                 int chunk) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return -1;
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  Chunk& out = chunks_[Index(chunk)];
+  out.blocks.assign(36 * plan.blocks.size(), 0.0);
+  out.twist_rhs.assign(6 * structure.poses().size(), 0.0);
+  for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
+    const ReprojectionGroup& group = plan.groups[Index(g)];
+    Host* host = HostOf(g);
+    const std::size_t begin = Index(group.lane_begin);
+    for (std::int32_t k = 0; k < group.lanes; ++k) {
+      const std::size_t lane = begin + Index(k);
+      if (plan.landmark_of_lane[lane] < 0) continue;  // padding: scale and inverse stay 0
+      double h = h_[lane];
+      if (!damping.reduced_only) {
+        h += damping.lambda *
+             (damping.identity ? 1.0 : std::clamp(h, damping.min_diagonal, damping.max_diagonal));
+      }
+      if (!(h > 0.0) || !std::isfinite(h)) return static_cast<int>(lane);
+      inverse_h_[lane] = 1.0 / h;
+      scale_[lane] = std::sqrt(inverse_h_[lane]);
+      beta_[lane] = b_[lane] * scale_[lane];
+    }
+    // C = -W W' over [rhs; host; targets]: the first column holds what goes to the right-hand side.
+    const int rows = 7 + 6 * host->num_targets;
+    const int stride = (rows + 7) / 8 * 8;
+    if (out.panel.size() < Index(stride) * Index(group.lanes)) {
+      out.panel.resize(Index(stride) * Index(group.lanes));
+    }
+    if (out.reduced.size() < Index(stride) * Index(rows))
+      out.reduced.resize(Index(stride) * Index(rows));
+    std::fill_n(out.reduced.begin(), stride * rows, 0.0);
+    kernel.reprojection_panel(host, scale_.data() + begin, beta_.data() + begin, out.panel.data(),
+                              stride);
+    // Landmarks see prefixes of the targets: each run of lanes needs the rows of its own only.
+    for (std::int32_t lane = 0; lane < group.lanes;) {
+      const auto seen = [&](std::int32_t at) {
+        int count = 0;
+        while (count < host->num_targets && host->targets[count].lanes > at)
+          ++count;
+        return count;
+      };
+      const int count = seen(lane);
+      std::int32_t end = lane + kernels::kLaneBlock;
+      while (end < group.lanes && seen(end) == count)
+        end += kernels::kLaneBlock;
+      kernel.syrk_lower_sub(7 + 6 * count, end - lane,
+                            out.panel.data() + Index(lane) * Index(stride), stride,
+                            out.reduced.data(), stride);
+      lane = end;
+    }
+    const std::int32_t* map = plan.block_map.data() + group.map_begin;
+    for (int i = 0; i <= host->num_targets; ++i) {
+      const std::int32_t block =
+          i == 0 ? group.host.block : plan.pairs[Index(group.pair_begin + i - 1)].target.block;
+      if (block >= 0) {
+        const double* rhs = out.reduced.data() + 1 + 6 * i;
+        for (int k = 0; k < 6; ++k)
+          out.twist_rhs[Index(6 * block + k)] += rhs[k];
+      }
+      for (int j = 0; j <= i; ++j, ++map) {
+        if (*map == ReprojectionPlan::kNoBlock) continue;
+        const bool swapped = *map < 0;
+        double* to = out.blocks.data() + 36 * Index(swapped ? ~*map : *map);
+        const double* from = out.reduced.data() + (1 + 6 * i) + Index(1 + 6 * j) * Index(stride);
+        if (i == j) {
+          for (int c = 0; c < 6; ++c) {
+            for (int r = c; r < 6; ++r) {
+              to[6 * r + c] += from[r + c * stride];
+              if (r != c) to[6 * c + r] += from[r + c * stride];
+            }
+          }
+        } else if (swapped) {
+          for (int c = 0; c < 6; ++c) {
+            for (int r = 0; r < 6; ++r)
+              to[6 * c + r] += from[r + c * stride];
+          }
+        } else {
+          for (int c = 0; c < 6; ++c) {
+            for (int r = 0; r < 6; ++r)
+              to[6 * r + c] += from[r + c * stride];
+          }
+        }
+      }
+    }
+  }
+  return -1;
+}
+
+void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& graph, double* S,
+                                   int stride, double* b_s) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return;
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  Chunk& sum = chunks_.front();
+  for (int c = 1; c < structure.num_chunks(); ++c) {
+    const Chunk& other = chunks_[Index(c)];
+    for (std::size_t k = 0; k < sum.blocks.size(); ++k)
+      sum.blocks[k] += other.blocks[k];
+    for (std::size_t k = 0; k < sum.twist_rhs.size(); ++k)
+      sum.twist_rhs[k] += other.twist_rhs[k];
+  }
+  projected_maps_ = maps_;
+  for (std::size_t k = 0; k < maps_.size(); ++k) {
+    const PoseBlock& pose = structure.poses()[k];
+    if (pose.free_tangent < 0) continue;
+    const FreeTangent& tangent = graph.free_tangents()[Index(pose.free_tangent)];
+    double* T = projected_maps_[k].T;
+    for (int r = 0; r < 6; ++r) {
+      double row[6] = {};
+      for (int c = 0; c < tangent.free_dim; ++c) {
+        for (int i = 0; i < 6; ++i) {
+          row[c] += maps_[k].T[8 * r + i] * tangent.basis[i * tangent.free_dim + c];
+        }
+      }
+      std::copy_n(row, 6, T + 8 * r);
+    }
+  }
+  for (std::size_t k = 0; k < plan.blocks.size(); ++k) {
+    const std::int32_t row = plan.blocks[k].row, col = plan.blocks[k].col;
+    kernel.map_block(1.0, projected_maps_[Index(row)].T, sum.blocks.data() + 36 * k, 6,
+                     projected_maps_[Index(col)].T,
+                     S + structure.poses()[Index(row)].offset +
+                         Index(structure.poses()[Index(col)].offset) * Index(stride),
+                     1, stride);
+    if (row != col) continue;
+    const double* T = projected_maps_[Index(row)].T;
+    double* b = b_s + structure.poses()[Index(row)].offset;
+    for (int c = 0; c < 6; ++c) {
+      double value = 0.0;
+      for (int i = 0; i < 6; ++i)
+        value += T[8 * i + c] * sum.twist_rhs[Index(6 * row + i)];
+      b[c] += value;
+    }
+  }
+}
+
+void ReprojectionTerms::BackSubstitute(const Structure& structure, const std::vector<double>& dx,
+                                       int chunk, double* step) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return;
+  const auto twist = [&](std::int32_t block, double* xi) {
+    std::fill_n(xi, 6, 0.0);
+    if (block < 0) return;
+    const double* T = projected_maps_[Index(block)].T;
+    const double* d = dx.data() + structure.poses()[Index(block)].offset;
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c < 6; ++c)
+        xi[r] += T[8 * r + c] * d[c];
+    }
+  };
+  std::vector<double>& twists = chunks_[Index(chunk)].twists;
+  for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
+    const ReprojectionGroup& group = plan.groups[Index(g)];
+    const Host* host = HostOf(g);
+    if (twists.size() < Index(6 * (host->num_targets + 1))) {
+      twists.resize(Index(6 * (host->num_targets + 1)));
+    }
+    twist(group.host.block, twists.data());
+    for (int k = 0; k < host->num_targets; ++k) {
+      twist(plan.pairs[Index(group.pair_begin + k)].target.block, twists.data() + 6 * (k + 1));
+    }
+    kernels::Kernels().reprojection_back_substitute(host, twists.data(),
+                                                    inverse_h_.data() + group.lane_begin,
+                                                    step + plan.first_step + group.lane_begin);
+  }
+}
+
+}  // namespace glissade

@@ -1,0 +1,242 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linear/reprojection_terms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "glissade/losses/huber.h"
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor | Eigen::DontAlign>;
+
+}  // namespace
+
+void ReprojectionTerms::Pack(const Structure& structure, const Graph& graph) {
+  if (analysis_ == structure.analysis()) return;
+  analysis_ = structure.analysis();
+  const ReprojectionPlan& plan = structure.reprojections();
+  hosts_.clear();
+  targets_.clear();
+  chunks_.resize(std::max(chunks_.size(), Index(structure.num_chunks())));
+  maps_.assign(structure.poses().size(), {});
+  projected_maps_.resize(structure.poses().size());
+  if (plan.empty()) return;
+  const EdgePool<EdgeReprojection>& pool = *graph.Pool<EdgeReprojection>();
+
+  const std::size_t lanes = plan.landmark_of_lane.size();
+  for (auto* array : {&x_, &y_, &b_, &h_, &scale_, &beta_, &inverse_h_})
+    array->assign(lanes, 0.0);
+  rho_.assign(lanes, 1.0);  // padding: a point in front of the camera
+  point_.assign(3 * lanes, 0.0);
+  const std::size_t slots = plan.edge_of_slot.size();
+  for (auto* array : {&u_, &v_, &mask_})
+    array->assign(slots, 0.0);
+  force_.assign(3 * slots, 0.0);
+
+  // What a whole group shares need not be stored per observation.
+  bool any_huber = false, same_information = true;
+  const double* common = nullptr;
+  for (const std::int32_t edge : plan.edge_of_slot) {
+    if (edge < 0) continue;
+    if (common == nullptr) common = pool.sqrt_information(edge);
+    any_huber = any_huber || !pool.loss(edge).trivial();
+    same_information =
+        same_information && std::equal(common, common + 4, pool.sqrt_information(edge));
+  }
+  huber_.assign(any_huber ? slots : 0, std::numeric_limits<double>::infinity());
+  sqrt_information_.assign(same_information ? 0 : 4 * slots, 0.0);
+
+  for (const ReprojectionGroup& group : plan.groups) {
+    Host host{};
+    host.lanes = group.lanes;
+    host.num_targets = group.pair_end - group.pair_begin;
+    host.x = x_.data() + group.lane_begin;
+    host.y = y_.data() + group.lane_begin;
+    host.rho = rho_.data() + group.lane_begin;
+    host.h = h_.data() + group.lane_begin;
+    host.b = b_.data() + group.lane_begin;
+    host.point = point_.data() + 3 * group.lane_begin;
+    std::copy_n(common, 4, host.L);
+    hosts_.push_back(host);
+    for (std::int32_t p = group.pair_begin; p < group.pair_end; ++p) {
+      const ReprojectionPair& pair = plan.pairs[Index(p)];
+      Target target{};
+      target.lanes = pair.lanes;
+      target.u = u_.data() + pair.slots;
+      target.v = v_.data() + pair.slots;
+      target.mask = mask_.data() + pair.slots;
+      if (!same_information) target.sqrt_information = sqrt_information_.data() + 4 * pair.slots;
+      if (any_huber) target.huber = huber_.data() + pair.slots;
+      target.force = force_.data() + 3 * pair.slots;
+      targets_.push_back(target);
+      for (std::int32_t lane = 0; lane < pair.lanes; ++lane) {
+        const std::size_t slot = Index(pair.slots + lane);
+        const std::int32_t edge = plan.edge_of_slot[slot];
+        if (edge < 0) continue;
+        const EdgeReprojection& value = pool.At(edge);
+        x_[Index(group.lane_begin + lane)] = value.uv_host[0];
+        y_[Index(group.lane_begin + lane)] = value.uv_host[1];
+        u_[slot] = value.uv_target[0];
+        v_[slot] = value.uv_target[1];
+        mask_[slot] = 1.0;
+        for (int k = 0; !same_information && k < 4; ++k) {
+          sqrt_information_[Index(4 * pair.slots + k * pair.lanes + lane)] =
+              pool.sqrt_information(edge)[k];
+        }
+        if (const Huber* huber = pool.loss(edge).As<Huber>()) huber_[slot] = huber->width;
+      }
+    }
+  }
+  Target* next = targets_.data();
+  for (Host& host : hosts_) {
+    host.targets = next;
+    next += host.num_targets;
+  }
+}
+
+void ReprojectionTerms::UpdateCameras(const ReprojectionGroup& group, const EdgeReprojection& edge,
+                                      const VertexPool<VertexPose>& poses, Host* host) {
+  const auto camera = [&](std::int32_t pose) {
+    const Pose T_w_c = poses.At(pose).pose * edge.T_b_c;
+    Camera out;
+    const Matrix3 R = T_w_c.R();
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c)
+        out.R_wc[3 * r + c] = R(r, c);
+      out.c[r] = T_w_c.data[r] - origin_[r];
+    }
+    return out;
+  };
+  const Camera h = camera(group.host.pose);
+  std::copy_n(h.R_wc, 9, host->R_wc);
+  std::copy_n(h.c, 3, host->c);
+  for (int k = 0; k < host->num_targets; ++k) {
+    Target& target = host->targets[k];
+    const Camera t = camera(plan_pairs_[Index(group.pair_begin + k)].target.pose);
+    for (int r = 0; r < 3; ++r) {
+      target.d[r] = 0.0;
+      for (int c = 0; c < 3; ++c) {
+        target.R_cw[3 * r + c] = t.R_wc[3 * c + r];
+        target.d[r] += t.R_wc[3 * c + r] * (h.c[c] - t.c[c]);
+        double sum = 0.0;
+        for (int k2 = 0; k2 < 3; ++k2)
+          sum += t.R_wc[3 * k2 + r] * h.R_wc[3 * k2 + c];
+        target.A[3 * r + c] = sum;
+      }
+    }
+  }
+}
+
+void ReprojectionTerms::Update(const Structure& structure, const Graph& graph) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return;
+  const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
+  const VertexPool<VertexInverseDepth>& depths = *graph.Pool<VertexInverseDepth>();
+  const EdgePool<EdgeReprojection>& edges = *graph.Pool<EdgeReprojection>();
+  // Moments are taken about a point among the cameras, so that they do not grow with the distance
+  // from the world's origin.
+  std::copy_n(poses.At(plan.groups.front().host.pose).pose.data, 3, origin_);
+  plan_pairs_ = plan.pairs.data();
+  for (std::size_t g = 0; g < plan.groups.size(); ++g) {
+    UpdateCameras(plan.groups[g], edges.At(plan.groups[g].edge), poses, &hosts_[g]);
+  }
+  for (std::size_t lane = 0; lane < plan.landmark_of_lane.size(); ++lane) {
+    const std::int32_t landmark = plan.landmark_of_lane[lane];
+    if (landmark >= 0) rho_[lane] = depths.At(landmark).rho;
+  }
+  for (std::size_t k = 0; k < maps_.size(); ++k) {
+    const PoseBlock& block = structure.poses()[k];
+    if (block.pool != poses.id()) continue;
+    const Pose& pose = poses.At(block.index).pose;
+    const Matrix3 R = pose.R();
+    const Matrix3 QR = so3::Hat(Vector3(pose.data[0] - origin_[0], pose.data[1] - origin_[1],
+                                        pose.data[2] - origin_[2])) *
+                       R;
+    double* T = maps_[k].T;
+    for (int r = 0; r < 3; ++r) {
+      T[8 * r + r] = 1.0;
+      for (int c = 0; c < 3; ++c) {
+        T[8 * r + 3 + c] = QR(r, c);
+        T[8 * (3 + r) + 3 + c] = R(r, c);
+      }
+    }
+  }
+}
+
+double ReprojectionTerms::Cost(const Structure& structure, int chunk) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return 0.0;
+  double cost = 0.0;
+  for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
+    cost += kernels::Kernels().reprojection_cost(HostOf(g));
+  }
+  return cost;
+}
+
+double ReprojectionTerms::Linearize(const Structure& structure, int chunk, double* h_pp,
+                                    double* b_p) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return 0.0;
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  double cost = 0.0;
+  // b = -J'r in the tangent: T' of the twist's.
+  const auto add_b = [&](std::int32_t block, double sign, const double* g) {
+    const double* T = maps_[Index(block)].T;
+    double* b = b_p + structure.poses()[Index(block)].offset;
+    for (int c = 0; c < 6; ++c) {
+      double sum = 0.0;
+      for (int k = 0; k < 6; ++k)
+        sum += T[8 * k + c] * g[k];
+      b[c] += sign * sum;
+    }
+  };
+  for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
+    const ReprojectionGroup& group = plan.groups[Index(g)];
+    Host* host = HostOf(g);
+    kernel.reprojection_linearize(host);
+    cost += host->cost;
+    const std::int32_t h = group.host.block;
+    double H_hh[36] = {}, g_h[6] = {};
+    for (int k = 0; k < host->num_targets; ++k) {
+      const Target& target = host->targets[k];
+      const ReprojectionPair& pair = plan.pairs[Index(group.pair_begin + k)];
+      for (int i = 0; i < 36; ++i)
+        H_hh[i] += target.H[i];
+      for (int i = 0; i < 6; ++i)
+        g_h[i] += target.g[i];
+      const std::int32_t t = pair.target.block;
+      if (t < 0) continue;
+      kernel.map_block(1.0, maps_[Index(t)].T, target.H, 6, maps_[Index(t)].T,
+                       h_pp + structure.poses()[Index(t)].h_diagonal, 6, 1);
+      add_b(t, 1.0, target.g);
+      if (pair.h_block < 0) continue;
+      const std::int32_t row = pair.h_transposed ? t : h, col = pair.h_transposed ? h : t;
+      kernel.map_block(-1.0, maps_[Index(row)].T, target.H, 6, maps_[Index(col)].T,
+                       h_pp + pair.h_block, 6, 1);
+    }
+    if (h < 0) continue;
+    kernel.map_block(1.0, maps_[Index(h)].T, H_hh, 6, maps_[Index(h)].T,
+                     h_pp + structure.poses()[Index(h)].h_diagonal, 6, 1);
+    add_b(h, -1.0, g_h);
+  }
+  return cost;
+}
+
+int ReprojectionTerms::FindFailed(const Graph& graph) const {
+  const EdgePool<EdgeReprojection>* pool = graph.Pool<EdgeReprojection>();
+  for (int edge = 0; pool != nullptr && edge < pool->size(); ++edge) {
+    if (!std::isfinite(pool->Chi2(edge))) return edge;
+  }
+  return -1;
+}
+
+}  // namespace glissade

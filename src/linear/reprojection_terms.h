@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "glissade/edges/reprojection.h"
+#include "glissade/linear/normal_equations.h"
+#include "kernels/kernels.h"
+
+namespace glissade {
+
+/// The fused path of NormalEquations: landmarks of a ReprojectionPlan, from residuals to the Schur
+/// complement and back, by the kernels of kernels/reprojection.h.
+///
+/// Poses are linearized as twists about a point near the window, in which one 6-vector per residual
+/// serves host and target; sums over landmarks are mapped to the public tangent block by block,
+/// with xi = T [dp; dtheta], T = [I, [p - o]x R; 0, R].
+class ReprojectionTerms {
+ public:
+  /// Measurements, weights and losses as arrays; once per analysis.
+  void Pack(const Structure& structure, const Graph& graph);
+
+  /// Cameras, inverse depths and T at the graph's present values.
+  void Update(const Structure& structure, const Graph& graph);
+  /// Adds a chunk's part of H_pp and b_p; h and b_l of its lanes are kept here.
+  double Linearize(const Structure& structure, int chunk, double* h_pp, double* b_p);
+  double Cost(const Structure& structure, int chunk);
+  /// H_ll and b_l per lane.
+  [[nodiscard]] const std::vector<double>& h() const { return h_; }
+  [[nodiscard]] const std::vector<double>& b() const { return b_; }
+
+  /// The chunk's part of the Schur complement, in twists. Returns the lane of a landmark that
+  /// cannot be eliminated, or -1.
+  int Eliminate(const Structure& structure, const DampingTerm& damping, int chunk);
+  /// Takes the sum over chunks to the tangent and adds it to S (column-major lower) and b_s. P
+  /// projects partly fixed poses.
+  void AddReduced(const Structure& structure, const Graph& graph, double* S, int stride,
+                  double* b_s);
+  void BackSubstitute(const Structure& structure, const std::vector<double>& dx, int chunk,
+                      double* step);
+  /// The edge without a finite value, for the message; -1 if all have one.
+  [[nodiscard]] int FindFailed(const Graph& graph) const;
+
+ private:
+  using Host = kernels::ReprojectionHost;
+  using Target = kernels::ReprojectionTarget;
+  struct Camera {
+    double R_wc[9];
+    double c[3];  // minus o
+  };
+  /// 6 x 6 row-major with rows of 8.
+  struct Map {
+    double T[48] = {};
+  };
+  struct Chunk {
+    std::vector<double> panel, reduced, blocks, twist_rhs, twists;
+  };
+
+  void UpdateCameras(const ReprojectionGroup& group, const EdgeReprojection& edge,
+                     const VertexPool<VertexPose>& poses, Host* host);
+  Host* HostOf(int group) { return &hosts_[static_cast<std::size_t>(group)]; }
+
+  std::uint64_t analysis_ = 0;
+  std::vector<Host> hosts_;
+  std::vector<Target> targets_;
+  std::vector<double> x_, y_, rho_, point_, h_, b_, scale_, beta_, inverse_h_;
+  std::vector<double> u_, v_, mask_, sqrt_information_, huber_, force_;
+  const ReprojectionPair* plan_pairs_ = nullptr;
+  double origin_[3] = {};
+  std::vector<Map> maps_;            // T per pose block
+  std::vector<Map> projected_maps_;  // T P
+  std::vector<Chunk> chunks_;
+};
+
+}  // namespace glissade
