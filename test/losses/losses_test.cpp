@@ -28,14 +28,15 @@ void CheckDerivatives(const L& loss) {
     EXPECT_LE(rho[1], 1.0);
     EXPECT_LE(rho[0], s * (1 + 1e-15));
     EXPECT_LE(rho[2], 0.0);
-    const auto d = internal::Differentiate<2>(
-        [&](double t, Vector<2>& y) {
+    const NumericDerivative d = Differentiate(
+        [&](double t, double* y) {
           double at[3];
           loss.Evaluate(s + t, at);
-          y << at[0], at[1];
+          y[0] = at[0];
+          y[1] = at[1];
           return true;
         },
-        1e-2 * s);
+        2, 1e-2 * s);
     EXPECT_NEAR(d.value[0], rho[1], 1e-9) << s;
     EXPECT_NEAR(d.value[1], rho[2], 1e-9 * (1.0 + std::abs(rho[2]) / s)) << s;
   }

@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/testing/check_jacobians.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "glissade/testing/format_number.h"
+#include "glissade/testing/numeric_derivative.h"
+
+namespace glissade::internal {
+
+namespace {
+
+double MaxAbs(const double* x, std::size_t n) {
+  double max = 0.0;
+  for (std::size_t i = 0; i < n; ++i)
+    max = std::max(max, std::abs(x[i]));
+  return max;
+}
+
+/// |a - b| <= tolerance for all entries; false if there is a NaN.
+bool Near(const std::vector<double>& a, const double* b, double tolerance) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!(std::abs(a[i] - b[i]) <= tolerance)) return false;
+  }
+  return true;
+}
+
+std::string EntryName(int row, int column) {
+  return "entry (" + std::to_string(row) + ", " + std::to_string(column) + ")";
+}
+
+class Checker {
+ public:
+  Checker(const EdgeUnderTest& edge, const JacobianCheckOptions& options)
+      : edge_(edge), options_(options), rows_(static_cast<std::size_t>(edge.rows)) {}
+
+  JacobianCheck Run() {
+    std::size_t size = 0;
+    for (int v = 0; v < edge_.vertices; ++v)
+      size += rows_ * Columns(v);
+    r_.resize(rows_);
+    J_.resize(size);
+    if (CheckResidual()) {
+      const double* J = J_.data();
+      for (int v = 0; v < edge_.vertices && result_.message.empty(); ++v) {
+        if (CheckWritten(v, J) && CheckAlone(v, J)) CompareToNumeric(v, J);
+        J += rows_ * Columns(v);
+      }
+    }
+    result_.ok = result_.message.empty();
+    return result_;
+  }
+
+ private:
+  [[nodiscard]] std::size_t Columns(int vertex) const {
+    return static_cast<std::size_t>(edge_.columns(vertex));
+  }
+
+  bool CheckResidual() {
+    if (!edge_.evaluate(-1, -1, 0.0, ~0u, r_.data(), J_.data())) {
+      return Fail("Evaluate returned false");
+    }
+    for (std::size_t row = 0; row < rows_; ++row) {
+      if (std::isfinite(r_[row])) continue;
+      return Fail("residual " + std::to_string(row) + " is not written or not finite");
+    }
+    std::vector<double> r(rows_);
+    if (!edge_.evaluate(-1, -1, 0.0, 0u, r.data(), nullptr) || !SameResidual(r)) {
+      return Fail("the residual without Jacobians differs from the one with Jacobians");
+    }
+    return true;
+  }
+
+  bool CheckWritten(int vertex, const double* J) {
+    for (std::size_t i = 0; i < rows_ * Columns(vertex); ++i) {
+      if (std::isfinite(J[i])) continue;
+      return Fail(
+          Name(vertex) +
+          EntryName(static_cast<int>(i / Columns(vertex)), static_cast<int>(i % Columns(vertex))) +
+          " is not written or not finite");
+    }
+    return true;
+  }
+
+  bool CheckAlone(int vertex, const double* J) {
+    std::vector<double> r(rows_), alone(rows_ * Columns(vertex));
+    if (!edge_.evaluate(-1, -1, 0.0, 1u << vertex, r.data(), alone.data()) || !SameResidual(r) ||
+        !Near(alone, J, 1e-12 * MaxAbs(J, alone.size()))) {
+      return Fail(Name(vertex) + "asked for alone it differs from all together");
+    }
+    return true;
+  }
+
+  void CompareToNumeric(int vertex, const double* J) {
+    const std::size_t columns = Columns(vertex);
+    // Absolute floor: a column of zeros has no scale of its own.
+    const double floor = 1e-6 * std::max(MaxAbs(J, rows_ * columns), 1e-3);
+    for (std::size_t column = 0; column < columns; ++column) {
+      const NumericDerivative numeric = Differentiate(
+          [&](double t, double* r) {
+            return edge_.evaluate(vertex, static_cast<int>(column), t, 0u, r, nullptr) &&
+                   std::all_of(r, r + rows_, [](double x) { return std::isfinite(x); });
+          },
+          edge_.rows, options_.step);
+      double scale = std::max(floor, MaxAbs(numeric.value.data(), rows_));
+      for (std::size_t row = 0; row < rows_; ++row) {
+        scale = std::max(scale, std::abs(J[row * columns + column]));
+      }
+      for (std::size_t row = 0; row < rows_; ++row) {
+        Record(vertex, static_cast<int>(row), static_cast<int>(column), J[row * columns + column],
+               numeric.value[row], scale);
+      }
+    }
+    if (!(result_.worst_error <= options_.tolerance)) {
+      Fail(Name(result_.vertex) + EntryName(result_.row, result_.column) + " is " +
+           FormatNumber(result_.analytic) + ", numerically " + FormatNumber(result_.numeric) +
+           ", relative error " + FormatNumber(result_.worst_error));
+    }
+  }
+
+  void Record(int vertex, int row, int column, double analytic, double numeric, double scale) {
+    const double error = std::abs(analytic - numeric) / scale;
+    if (result_.vertex >= 0 && error <= result_.worst_error) return;
+    result_.worst_error = error;
+    result_.vertex = vertex;
+    result_.row = row;
+    result_.column = column;
+    result_.analytic = analytic;
+    result_.numeric = numeric;
+  }
+
+  [[nodiscard]] bool SameResidual(const std::vector<double>& r) const {
+    // Not to the bit: the compiler may contract the two evaluations differently.
+    return Near(r, r_.data(), 1e-12 * (1.0 + MaxAbs(r_.data(), rows_)));
+  }
+
+  static std::string Name(int vertex) { return "Jacobian " + std::to_string(vertex) + ": "; }
+
+  bool Fail(const std::string& message) {
+    result_.message = std::string(edge_.name) + ": " + message;
+    return false;
+  }
+
+  const EdgeUnderTest& edge_;
+  const JacobianCheckOptions& options_;
+  std::size_t rows_;
+  std::vector<double> r_;  // residual and Jacobians at the point itself
+  std::vector<double> J_;
+  JacobianCheck result_;
+};
+
+}  // namespace
+
+JacobianCheck RunJacobianCheck(const EdgeUnderTest& edge, const JacobianCheckOptions& options) {
+  return Checker(edge, options).Run();
+}
+
+}  // namespace glissade::internal
