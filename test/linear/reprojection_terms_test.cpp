@@ -69,6 +69,11 @@ class Builder {
         edge.uv_host = uv_host;
         edge.uv_target = uv_host + Vector2(Uniform(-0.1, 0.1), Uniform(-0.1, 0.1));
         edge.T_b_c = cameras[camera];
+        // No grazing points: a moment about a distant point cancels by the square of the ratio of
+        // that distance to the depth, which is rounding and not what is compared here.
+        const double z = edge.Depth(graph.Get(poses[I(host)]), graph.Get(poses[I(target)]),
+                                    VertexInverseDepth{rho});
+        if (!(z > 0.5)) continue;
         EdgeOptions<EdgeReprojection> options;
         Matrix2 L;
         L << 300.0, 0.0, 0.0, 310.0;
@@ -136,11 +141,9 @@ void ExpectSame(const Scene& scene, unsigned seed, double tolerance) {
     // Enough to make the step comparable where the gauge is free.
     const DampingTerm damping{.lambda = identity ? 1e4 : 0.1, .identity = identity};
     Outcome fused(&graph, true, damping), general(&graph, false, damping);
-    if (!scene.tukey) {
-      // It would prove nothing if no landmark took the fused path.
-      EXPECT_GT(fused.structure.reprojections().num_landmarks, scene.num_landmarks / 2);
-      EXPECT_TRUE(fused.structure.landmarks().empty());
-    }
+    // It would prove nothing if landmarks took the general path in both.
+    if (!scene.tukey) EXPECT_TRUE(fused.structure.landmarks().empty());
+    EXPECT_GT(fused.structure.reprojections().num_landmarks, 0);
     EXPECT_NEAR(fused.cost, general.cost, 1e-12 * general.cost);
     EXPECT_NEAR(fused.equations.MaxGradient(), general.equations.MaxGradient(),
                 tolerance * general.equations.MaxGradient());
@@ -188,7 +191,7 @@ TEST(ReprojectionTerms, ManySizes) {
   for (const int poses : {2, 3, 7, 10, 20, 35}) {
     for (const int landmarks : {1, 7, 8, 9, 64, 300}) {
       if (landmarks < 4) continue;  // too few to make a system without damping worth comparing
-      ExpectSame({.num_poses = poses, .num_landmarks = landmarks, .max_track = 7}, 1, 1e-10);
+      ExpectSame({.num_poses = poses, .num_landmarks = landmarks, .max_track = 7}, 1, 1e-11);
     }
   }
 }
