@@ -142,7 +142,7 @@ void ExpectSame(const Scene& scene, unsigned seed, double tolerance) {
     const DampingTerm damping{.lambda = identity ? 1e4 : 0.1, .identity = identity};
     Outcome fused(&graph, true, damping), general(&graph, false, damping);
     // It would prove nothing if landmarks took the general path in both.
-    if (!scene.tukey) EXPECT_TRUE(fused.structure.landmarks().empty());
+    EXPECT_EQ(fused.structure.landmarks().empty(), !scene.tukey);
     EXPECT_GT(fused.structure.reprojections().num_landmarks, 0);
     EXPECT_NEAR(fused.cost, general.cost, 1e-12 * general.cost);
     EXPECT_NEAR(fused.equations.MaxGradient(), general.equations.MaxGradient(),
