@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/sweep.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "common/alignment.h"
+#include "glissade/sim/random.h"
+
+namespace glissade::app {
+
+namespace {
+
+using PoseNoise = std::vector<std::array<double, 6>>;  // tangent, pose by pose
+
+std::vector<PoseNoise> DrawNoise(const SweepOptions& options, std::size_t num_poses) {
+  sim::MinstdRand0 engine(options.seed);
+  sim::NormalReal normal(0.0, options.pose_noise);
+  std::vector<PoseNoise> noise(static_cast<std::size_t>(options.trials), PoseNoise(num_poses));
+  for (PoseNoise& trial : noise) {
+    for (auto& pose : trial) {
+      for (double& x : pose)
+        x = normal(engine);
+    }
+  }
+  return noise;
+}
+
+SweepStep Measure(const IterationSummary& it, const CourseScene& scene, const Graph& graph,
+                  const CourseHandles& handles, int num_priors) {
+  SweepStep step;
+  step.iteration = it.iteration;
+  step.cost = it.cost;
+  double sum = 0.0;
+  for (const auto& edge : handles.edges)
+    sum += graph.Chi2(edge).value();
+  step.reprojection_error = std::sqrt(sum / static_cast<double>(handles.edges.size()));
+  double p = 0.0;
+  double theta = 0.0;
+  for (int k = 0; k < num_priors; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    double d[6];
+    graph.Get(handles.poses[i]).Minus(VertexPose{scene.poses[i]}, d);
+    p += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    theta += d[3] * d[3] + d[4] * d[4] + d[5] * d[5];
+  }
+  step.prior_position_error = std::sqrt(p / num_priors);
+  step.prior_rotation_error = std::sqrt(theta / num_priors);
+  return step;
+}
+
+Result<SweepTrial> RunTrial(const CourseScene& scene, const SweepOptions& options,
+                            const SweepRow& row, const PoseNoise& noise) {
+  Problem problem;
+  const auto handles = AddToGraph(scene, problem,
+                                  {.fix_poses = row.fixed ? options.num_priors : 0,
+                                   .prior_weight = row.weight,
+                                   .num_priors = options.num_priors});
+  if (!handles.ok()) return handles.status();
+  for (std::size_t k = 0; k < noise.size(); ++k) {
+    if (row.fixed && static_cast<int>(k) < options.num_priors) continue;
+    VertexPose start{scene.poses[k]};
+    start.Plus(noise[k].data());
+    if (Status s = problem.Set(handles->poses[k], start); !s.ok()) return s;
+  }
+
+  SweepTrial trial;
+  {
+    // Timed without looking; then solved again, which gives the same bits, to look.
+    Problem timed = problem.Clone();
+    trial.time_s = timed.Solve(options.solve).time.total_s;
+  }
+  SolveOptions solve = options.solve;
+  solve.callback = [&](const IterationSummary& it) {
+    if (it.accepted) {
+      trial.steps.push_back(Measure(it, scene, problem, *handles, options.num_priors));
+    }
+    return CallbackAction::kContinue;
+  };
+  const SolveSummary& summary = problem.Solve(solve);
+  if (!summary.ok()) return summary.status;
+  trial.termination = summary.termination;
+  trial.converged = summary.converged();
+  trial.iterations = summary.accepted_steps + summary.rejected_steps;
+  if (row.fixed || row.weight > 0.0) {
+    trial.errors = ErrorsOf(scene, problem, *handles);
+  } else {
+    auto errors = AlignedErrors(scene, problem, *handles);
+    if (!errors.ok()) return errors.status();
+    trial.errors = *errors;
+  }
+  return trial;
+}
+
+}  // namespace
+
+Result<std::vector<SweepRow>> RunSweep(const CourseScene& scene, const SweepOptions& options) {
+  const std::vector<PoseNoise> noise = DrawNoise(options, scene.poses.size());
+  std::vector<SweepRow> rows;
+  for (double weight : options.weights)
+    rows.push_back({.fixed = false, .weight = weight, .trials = {}});
+  rows.push_back({.fixed = true, .weight = 0.0, .trials = {}});
+  for (SweepRow& row : rows) {
+    for (const PoseNoise& trial_noise : noise) {
+      auto trial = RunTrial(scene, options, row, trial_noise);
+      if (!trial.ok()) return trial.status();
+      row.trials.push_back(std::move(trial).value());
+    }
+  }
+  return rows;
+}
+
+}  // namespace glissade::app
