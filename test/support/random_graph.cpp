@@ -65,7 +65,7 @@ class Builder {
       AddInverseDepthLandmarks((n + 3) / 4, true);
       AddPoints((n + 2) / 3);
       AddUserLandmarks((n + 3) / 4);
-      AddBal(2 + options_.num_poses / 8, 6 + n / 8);
+      AddBal(3 + options_.num_poses / 8, 12 + n / 8);
     }
     if (options_.anchored || kind == GraphKind::kPoseGraph)
       AddPriors(kind == GraphKind::kPoseGraph);
@@ -219,7 +219,7 @@ class Builder {
       const VertexInverseDepth start{(1.0 + 5.0 * options_.start_noise * random_.Normal()) / z};
       const auto depth = Require(graph_.AddVertex(start));
       landmarks_.push_back(depth);
-      for (const int target : FramesNear(host, 2 + random_.Int(4))) {
+      for (const int target : FramesNear(host, options_.min_views - 1 + random_.Int(4))) {
         const auto i = poses_[Index(host)], j = poses_[Index(target)];
         Vector2 uv;
         if (!Project(target, T_b_c_, x_w, &uv)) continue;
@@ -246,7 +246,7 @@ class Builder {
       landmarks_.push_back(point);
       points_.push_back(point);
       point_truth_.push_back(x_w);
-      std::vector<int> frames = FramesNear(first, 2 + random_.Int(4));
+      std::vector<int> frames = FramesNear(first, options_.min_views - 1 + random_.Int(4));
       frames.push_back(first);
       for (const int frame : frames) {
         const bool stereo = random_.Chance(0.3);
@@ -282,6 +282,12 @@ class Builder {
       camera.Plus(delta);
       cameras.push_back(Require(graph_.AddVertex(camera)));
       bal_cameras_.push_back(cameras.back());
+      if (options_.anchored) {  // few views leave the intrinsics and the seven of the gauge open
+        const VertexRef ref{&kVertexOps<VertexCameraBal>, truth.back().data};
+        const AnyVertex vertex = cameras.back();
+        Require(graph_.AddEdge(std::make_unique<LinearEdge>(std::span(&ref, 1), 9, &random_),
+                               std::span(&vertex, 1)));
+      }
     }
     for (int l = 0; l < num_points; ++l) {
       const Vector3 x = random_.Vec3(1.5);
@@ -289,7 +295,7 @@ class Builder {
           graph_.AddVertex(VertexPointXYZ(x + random_.NormalVector<3>(5 * options_.start_noise))));
       landmarks_.push_back(point);
       for (int k = 0; k < num_cameras; ++k) {
-        if (num_cameras > 4 && !random_.Chance(4.0 / num_cameras)) continue;
+        if (num_cameras > 8 && !random_.Chance(8.0 / num_cameras)) continue;
         Vector2 uv;
         EdgeBal edge;
         if (!edge.Evaluate(truth[Index(k)], VertexPointXYZ(x), uv, nullptr, nullptr)) continue;
@@ -305,7 +311,7 @@ class Builder {
     small_.push_back(scale_);
     for (int l = 0; l < count; ++l) {
       const int first = random_.Int(options_.num_poses);
-      std::vector<int> frames = FramesNear(first, 2 + random_.Int(3));
+      std::vector<int> frames = FramesNear(first, options_.min_views - 1 + random_.Int(3));
       frames.push_back(first);
 
       const Vector3 d_b = Vector3(random_.Uniform(-0.5, 0.5), random_.Uniform(-0.5, 0.5), 1.0);

@@ -28,6 +28,8 @@ std::string ToString(GraphKind kind);
 struct RandomGraphOptions {
   int num_poses = 6;
   int num_landmarks = 20;
+  /// Observations a landmark has at least, where there are that many poses before it.
+  int min_views = 3;
   /// Random information matrices (full rank, and here and there rank-deficient) and general square
   /// roots; else the identity times the square of the focal length over sigma.
   bool information = true;
