@@ -1,0 +1,219 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The glissade authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""ba_solve: small and published BAL files, its options, its JSON, and what it refuses."""
+
+import bz2
+import gzip
+import math
+import random
+
+from app_test_util import AppTest, data_folder, main
+
+KEYS = {"cameras", "points", "observations", "initial_cost", "final_cost", "iterations", "status",
+        "time_s", "peak_rss_mb", "linear_solver", "threads"}
+
+
+def rotate(w, x):
+    """Rodrigues' formula."""
+    angle = math.sqrt(sum(a * a for a in w))
+    if angle == 0.0:
+        return list(x)
+    k = [a / angle for a in w]
+    c, s = math.cos(angle), math.sin(angle)
+    cross = [k[1] * x[2] - k[2] * x[1], k[2] * x[0] - k[0] * x[2], k[0] * x[1] - k[1] * x[0]]
+    dot = sum(a * b for a, b in zip(k, x))
+    return [x[i] * c + cross[i] * s + k[i] * dot * (1 - c) for i in range(3)]
+
+
+def project(camera, x):
+    p = [a + t for a, t in zip(rotate(camera[:3], x), camera[3:6])]
+    u, v = -p[0] / p[2], -p[1] / p[2]
+    n = u * u + v * v
+    scale = camera[6] * (1 + camera[7] * n + camera[8] * n * n)
+    return scale * u, scale * v
+
+
+def make_bal(num_cameras=5, num_points=60, noise=0.5, seed=3):
+    """The text of a BAL problem, started off its optimum, and its residual sum of squares."""
+    rng = random.Random(seed)
+    cameras = [[rng.gauss(0, 0.05), rng.gauss(0, 0.05), rng.gauss(0, 0.05), 2.0 * k - num_cameras,
+                rng.gauss(0, 0.3), -12.0, 500.0, -0.02, 0.001] for k in range(num_cameras)]
+    points = [[rng.uniform(-4, 4), rng.uniform(-4, 4), rng.uniform(-3, 3)]
+              for _ in range(num_points)]
+    lines = []
+    for i, point in enumerate(points):
+        for k, camera in enumerate(cameras):
+            u, v = project(camera, point)
+            lines.append((k, i, u + rng.gauss(0, noise), v + rng.gauss(0, noise)))
+    for camera in cameras:
+        for i in range(6):
+            camera[i] += rng.gauss(0, 0.02)
+    for point in points:
+        for i in range(3):
+            point[i] += rng.gauss(0, 0.1)
+    cost = 0.0
+    for k, i, u, v in lines:
+        p = project(cameras[k], points[i])
+        cost += 0.5 * ((p[0] - u) ** 2 + (p[1] - v) ** 2)
+    text = f"{num_cameras} {num_points} {len(lines)}\n"
+    text += "".join(f"{k} {i} {u:.17g} {v:+.17e}\n" for k, i, u, v in lines)
+    text += "".join(f"{x:.17g}\n" for block in cameras + points for x in block)
+    return text, cost
+
+
+class BaSolve(AppTest):
+    app = "ba_solve"
+
+    def check_schema(self, result, *more):
+        self.assertEqual(set(result), KEYS | set(more))
+        for key in ("initial_cost", "final_cost", "time_s", "peak_rss_mb"):
+            self.assertIsInstance(result[key], float)
+        for key in ("cameras", "points", "observations", "iterations", "threads"):
+            self.assertIsInstance(result[key], int)
+        self.assertGreater(result["peak_rss_mb"], 1.0)
+        self.assertGreater(result["time_s"], 0.0)
+
+    def test_small_problem_in_every_compression(self):
+        text, cost = make_bal()
+        plain = self.write("a.txt", text)
+        (self.folder / "a.txt.gz").write_bytes(gzip.compress(text.encode()))
+        (self.folder / "a.txt.bz2").write_bytes(bz2.compress(text.encode()))
+        finals = set()
+        for path in (plain, "a.txt.gz", "a.txt.bz2"):
+            result = self.run_json(path)
+            self.check_schema(result)
+            self.assertEqual([result[k] for k in ("cameras", "points", "observations")], [5, 60, 300])
+            self.assertAlmostEqual(result["initial_cost"] / cost, 1.0, places=9)
+            # 600 residuals, less the degrees of freedom, of sigma 0.5.
+            self.assertLess(result["final_cost"], 0.5 * 600 * 0.25)
+            self.assertTrue(result["status"].startswith("converged"), result["status"])
+            finals.add(result["final_cost"])
+        self.assertEqual(len(finals), 1)
+
+    def test_options_lead_to_the_same_optimum(self):
+        path = self.write("a.txt", make_bal()[0])
+        best = self.run_json(path, "--tolerance", "1e-12")["final_cost"]
+        for args in (("--linear-solver", "pcg"), ("--threads", 4)):
+            result = self.run_json(path, "--tolerance", "1e-12", *args)
+            self.assertAlmostEqual(result["final_cost"] / best, 1.0, places=8, msg=args)
+        self.assertEqual(self.run_json(path, "--linear-solver", "pcg")["linear_solver"], "pcg")
+        self.assertEqual(self.run_json(path, "--threads", 2)["threads"], 2)
+
+    def test_threads_do_not_change_a_bit(self):
+        path = self.write("a.txt", make_bal()[0])
+        for threads in (1, 2, 4):
+            self.run_ok(path, "--iterations", 4, "--threads", threads, "--output", f"{threads}.txt")
+        solutions = {(self.folder / f"{n}.txt").read_bytes() for n in (1, 2, 4)}
+        self.assertEqual(len(solutions), 1)
+
+    def test_losses(self):
+        path = self.write("a.txt", make_bal()[0])
+        costs = {loss: self.run_json(path, "--loss", loss, "--loss-width", 0.5)["final_cost"]
+                 for loss in ("none", "huber", "cauchy", "tukey")}
+        self.assertEqual(len(set(costs.values())), 4)
+        for loss in ("huber", "cauchy", "tukey"):
+            self.assertLess(costs[loss], costs["none"])
+
+    def test_tolerance_and_iterations(self):
+        path = self.write("a.txt", make_bal()[0])
+        off = self.run_json(path, "--tolerance", 0, "--iterations", 7)
+        self.assertEqual((off["iterations"], off["status"]), (7, "iteration limit"))
+        loose = self.run_json(path, "--tolerance", 0.5)
+        self.assertLess(loose["iterations"], off["iterations"])
+        self.assertEqual(self.run_json(path, "--iterations", 0)["iterations"], 0)
+
+    def test_output_goes_on_where_the_solve_ended(self):
+        path = self.write("a.txt", make_bal()[0])
+        for name in ("out.txt", "out.txt.gz", "out.txt.bz2"):
+            result = self.run_json(path, "--output", name)
+            again = self.run_json(name, "--iterations", 0)
+            self.assertEqual(again["initial_cost"], result["final_cost"])
+        head = (self.folder / "out.txt").read_text(encoding="utf-8").split("\n", 1)[0]
+        self.assertEqual(head, "5 60 300")
+        self.assertEqual((self.folder / "out.txt.gz").read_bytes()[:2], b"\x1f\x8b")
+        self.assertEqual((self.folder / "out.txt.bz2").read_bytes()[:3], b"BZh")
+
+    def test_table(self):
+        path = self.write("a.txt", make_bal()[0])
+        out = self.run_ok(path, "--iterations", 3)
+        self.assertIn("5 cameras, 60 points, 300 observations", out)
+        self.assertRegex(out, r"(?m)^iter .*cost.*lambda")
+        for k in range(4):
+            self.assertRegex(out, rf"(?m)^ *{k}[ x] ")
+        self.assertIn("iteration limit, 3 iterations", out)
+
+    def test_ceres(self):
+        path = self.write("a.txt", make_bal()[0])
+        result = self.run_app(path, "--compare-ceres", "--json", "a.json")
+        if result.returncode == 2 and "built without Ceres" in result.stderr:
+            self.assertEqual(self.files(), ["a.txt"])
+            self.skipTest("built without Ceres")
+        both = self.run_json(path, "--compare-ceres", "--tolerance", "1e-12")
+        self.check_schema(both, "ceres")
+        self.assertAlmostEqual(both["ceres"]["initial_cost"] / both["initial_cost"], 1, places=9)
+        self.assertAlmostEqual(both["ceres"]["final_cost"] / both["final_cost"], 1, places=8)
+
+    def test_published_problems(self):
+        data = data_folder()
+        if data is None:
+            self.skipTest("no folder of data sets")
+        for name, initial, final in (("ladybug-problem-49-7776-pre", 8.509125e5, 1.3344e4),
+                                     ("trafalgar-problem-21-11315-pre", 4.413239e6, 3.0379e4)):
+            result = self.run_json(data / "bal" / f"{name}.txt.gz", timeout=1200)
+            self.assertAlmostEqual(result["initial_cost"] / initial, 1, delta=2e-7)
+            self.assertLess(result["final_cost"], 1.001 * final)
+
+    def test_refuses_options(self):
+        path = self.write("a.txt", make_bal(num_points=10)[0])
+        for args, says in (
+                ((), "FILE"), ((path, path), str(path)), ((path, "--linear-solver", "qr"), "--linear"),
+                ((path, "--iterations", "-1"), "--iterations"),
+                ((path, "--iterations", "ten"), "--iterations"),
+                ((path, "--threads", "0"), "--threads"), ((path, "--threads", "1e9"), "--threads"),
+                ((path, "--loss", "l1"), "--loss"), ((path, "--loss-width", "0"), "--loss-width"),
+                ((path, "--loss-width", "nan"), "--loss-width"),
+                ((path, "--tolerance", "-1e-9"), "--tolerance"),
+                ((path, "--tolerance", "nan"), "--tolerance"),
+                ((path, "--output", "no/such/a.txt"), "--output"),
+                ((path, "--json", "."), "--json"),
+                ((path, "--json", "same", "--output", "same"), "same"),
+                ((path, "--frobnicate"), "--frobnicate")):
+            self.check_refused(*args, says=says)
+
+    def test_refuses_files(self):
+        text = make_bal(num_points=10)[0]
+        lines = text.splitlines()
+        cases = {
+            "missing.txt": (None, "missing.txt: cannot be opened"),
+            "empty.txt": ("", "empty.txt:1: "),
+            "cut.txt": (text[:len(text) // 2], "cut.txt:"),
+            "count.txt": (text.replace("5 10 50", "5 10 51", 1), "count.txt:52: "),
+            "cameras.txt": (text.replace("5 10 50", "6 10 50", 1), "cameras.txt:"),
+            "negative.txt": (text.replace("5 10 50", "-5 10 50", 1), "negative.txt:1: "),
+            "index.txt": ("\n".join([lines[0], "0 10 1 2", *lines[2:]]) + "\n", "index.txt:2: "),
+            "nan.txt": ("\n".join([*lines[:60], "nan", *lines[61:]]) + "\n", "nan.txt:61: "),
+            "garbage.txt": (text + "more\n", f"garbage.txt:{len(lines) + 1}: "),
+            "words.txt": ("not a BAL file\n", "words.txt:1: "),
+        }
+        for name, (content, _) in cases.items():
+            if content is not None:
+                self.write(name, content)
+        (self.folder / "cut.gz").write_bytes(gzip.compress(text.encode())[:-20])
+        cases["cut.gz"] = (b"", "cut.gz:")
+        for name, (_, says) in cases.items():
+            self.check_refused(name, "--json", "a.json", "--output", "b.txt", says=says)
+
+    def test_refuses_what_cannot_be_solved(self):
+        text = make_bal(num_points=10)[0]
+        lines = text.splitlines()
+        twice = self.write("twice.txt", "\n".join([lines[0], lines[2], *lines[2:]]) + "\n")
+        self.check_refused(twice, "--json", "a.json", says="twice.txt: ")
+
+    def test_help(self):
+        self.check_help("FILE", "--linear-solver", "--iterations", "--threads", "--loss",
+                        "--tolerance", "--output", "--json", "--compare-ceres")
+
+
+if __name__ == "__main__":
+    main(BaSolve)
