@@ -107,19 +107,7 @@ int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& 
   return -1;
 }
 
-void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& graph, double* S,
-                                   int stride, double* b_s) {
-  const ReprojectionPlan& plan = structure.reprojections();
-  if (plan.empty()) return;
-  const kernels::KernelTable& kernel = kernels::Kernels();
-  Chunk& sum = chunks_.front();
-  for (int c = 1; c < structure.num_chunks(); ++c) {
-    const Chunk& other = chunks_[Index(c)];
-    for (std::size_t k = 0; k < sum.blocks.size(); ++k)
-      sum.blocks[k] += other.blocks[k];
-    for (std::size_t k = 0; k < sum.twist_rhs.size(); ++k)
-      sum.twist_rhs[k] += other.twist_rhs[k];
-  }
+void ReprojectionTerms::ProjectMaps(const Structure& structure, const Graph& graph) {
   projected_maps_ = maps_;
   for (std::size_t k = 0; k < maps_.size(); ++k) {
     const PoseBlock& pose = structure.poses()[k];
@@ -136,6 +124,22 @@ void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& grap
       std::copy_n(row, 6, T + 8 * r);
     }
   }
+}
+
+void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& graph, double* S,
+                                   int stride, double* b_s) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return;
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  Chunk& sum = chunks_.front();
+  for (int c = 1; c < structure.num_chunks(); ++c) {
+    const Chunk& other = chunks_[Index(c)];
+    for (std::size_t k = 0; k < sum.blocks.size(); ++k)
+      sum.blocks[k] += other.blocks[k];
+    for (std::size_t k = 0; k < sum.twist_rhs.size(); ++k)
+      sum.twist_rhs[k] += other.twist_rhs[k];
+  }
+  ProjectMaps(structure, graph);
   for (std::size_t k = 0; k < plan.blocks.size(); ++k) {
     const std::int32_t row = plan.blocks[k].row, col = plan.blocks[k].col;
     kernel.map_block(1.0, projected_maps_[Index(row)].T, sum.blocks.data() + 36 * k, 6,
@@ -155,8 +159,9 @@ void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& grap
   }
 }
 
-void ReprojectionTerms::BackSubstitute(const Structure& structure, const std::vector<double>& dx,
-                                       int chunk, double* step) {
+// out = factor (b_l - W' dx) for the lanes of a chunk.
+void ReprojectionTerms::Apply(const Structure& structure, const std::vector<double>& dx, int chunk,
+                              const double* factor, double* out) {
   const ReprojectionPlan& plan = structure.reprojections();
   if (plan.empty()) return;
   const auto twist = [&](std::int32_t block, double* xi) {
@@ -180,10 +185,32 @@ void ReprojectionTerms::BackSubstitute(const Structure& structure, const std::ve
     for (int k = 0; k < host->num_targets; ++k) {
       twist(plan.pairs[Index(group.pair_begin + k)].target.block, twists.data() + 6 * (k + 1));
     }
-    kernels::Kernels().reprojection_back_substitute(host, twists.data(),
-                                                    inverse_h_.data() + group.lane_begin,
-                                                    step + plan.first_step + group.lane_begin);
+    kernels::Kernels().reprojection_back_substitute(host, twists.data(), factor + group.lane_begin,
+                                                    out + group.lane_begin);
   }
+}
+
+void ReprojectionTerms::BackSubstitute(const Structure& structure, const std::vector<double>& dx,
+                                       int chunk, double* step) {
+  Apply(structure, dx, chunk, inverse_h_.data(), step + structure.reprojections().first_step);
+}
+
+double ReprojectionTerms::QuadraticForm(const Structure& structure, const Graph& graph,
+                                        const std::vector<double>& d) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return 0.0;
+  ProjectMaps(structure, graph);
+  ones_.assign(h_.size(), 1.0);
+  product_.resize(h_.size());
+  for (int c = 0; c < structure.num_chunks(); ++c) {
+    Apply(structure, d, c, ones_.data(), product_.data());
+  }
+  const double* dl = d.data() + structure.num_pose_scalars() + plan.first_step;
+  double sum = 0.0;
+  for (std::size_t lane = 0; lane < h_.size(); ++lane) {
+    sum += dl[lane] * (2.0 * (b_[lane] - product_[lane]) + h_[lane] * dl[lane]);
+  }
+  return sum;
 }
 
 }  // namespace glissade

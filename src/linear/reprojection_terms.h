@@ -40,6 +40,10 @@ class ReprojectionTerms {
                   double* b_s);
   void BackSubstitute(const Structure& structure, const std::vector<double>& dx, int chunk,
                       double* step);
+  /// sum over lanes of dl (2 W'dp + h dl): the fused landmarks' part of d'H d. T P of the last
+  /// Linearize.
+  double QuadraticForm(const Structure& structure, const Graph& graph,
+                       const std::vector<double>& d);
   /// The edge without a finite value, for the message; -1 if all have one.
   [[nodiscard]] int FindFailed(const Graph& graph) const;
 
@@ -58,6 +62,9 @@ class ReprojectionTerms {
     std::vector<double> panel, reduced, blocks, twist_rhs, twists;
   };
 
+  void ProjectMaps(const Structure& structure, const Graph& graph);
+  void Apply(const Structure& structure, const std::vector<double>& dx, int chunk,
+             const double* factor, double* out);
   void UpdateCameras(const ReprojectionGroup& group, const EdgeReprojection& edge,
                      const VertexPool<VertexPose>& poses, Host* host);
   Host* HostOf(int group) { return &hosts_[static_cast<std::size_t>(group)]; }
@@ -65,7 +72,7 @@ class ReprojectionTerms {
   std::uint64_t analysis_ = 0;
   std::vector<Host> hosts_;
   std::vector<Target> targets_;
-  std::vector<double> x_, y_, rho_, point_, h_, b_, scale_, beta_, inverse_h_;
+  std::vector<double> x_, y_, rho_, point_, h_, b_, scale_, beta_, inverse_h_, ones_, product_;
   std::vector<double> u_, v_, mask_, sqrt_information_, huber_, force_;
   const ReprojectionPair* plan_pairs_ = nullptr;
   double origin_[3] = {};

@@ -3,41 +3,28 @@
 #include "glissade/minimizer/minimizer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
 #include "glissade/vertices/inverse_depth.h"
+#include "minimizer/step_strategy.h"
 
 namespace glissade {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// Adds the time of its scope to a counter.
-class Timed {
+/// One run of a trust-region method: applies the strategy's steps, measures, and decides.
+class Minimizer {
  public:
-  explicit Timed(double* seconds) : seconds_(seconds), start_(Clock::now()) {}
-  ~Timed() { *seconds_ += SecondsSince(start_); }
-  Timed(const Timed&) = delete;
-  Timed& operator=(const Timed&) = delete;
-
- private:
-  double* seconds_;
-  Clock::time_point start_;
-};
-
-/// One run of Levenberg-Marquardt.
-class LevenbergMarquardt {
- public:
-  LevenbergMarquardt(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options)
-      : graph_(graph), w_(*workspace), options_(options), summary_(workspace->summary) {}
+  Minimizer(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options,
+            StepStrategy* strategy, Clock::time_point start)
+      : graph_(graph),
+        w_(*workspace),
+        options_(options),
+        strategy_(*strategy),
+        summary_(workspace->summary),
+        start_(start) {}
 
   void Run() {
     Reset();
@@ -57,14 +44,10 @@ class LevenbergMarquardt {
     if (!Linearize()) return;
     summary_.initial_cost = summary_.final_cost = cost_;
     initial_gradient_ = gradient_;
-    lambda_ = options_.initial_lambda;
-    if (options_.damping != Damping::kDiagonal) {
-      const double largest = w_.equations.MaxDiagonal();
-      lambda_ *= largest > 0.0 ? largest : 1.0;
-    }
+    strategy_.Start();
     iteration_.cost = cost_;
     iteration_.gradient_max = gradient_;
-    iteration_.lambda = lambda_;
+    iteration_.lambda = strategy_.Lambda();
     if (!Report() || GradientConverged()) return;
 
     while (!done_) {
@@ -75,7 +58,7 @@ class LevenbergMarquardt {
       if (done_ && !iteration_tried_) break;
       iteration_.cost = cost_;
       iteration_.gradient_max = gradient_;
-      iteration_.lambda = lambda_;
+      iteration_.lambda = strategy_.Lambda();
       if (!Report()) return;
     }
   }
@@ -152,31 +135,34 @@ class LevenbergMarquardt {
   void Reject() {
     iteration_.accepted = false;
     ++summary_.rejected_steps;
-    lambda_ *= nu_;
-    nu_ *= 2.0;
-    if (lambda_ > options_.max_lambda || !std::isfinite(lambda_)) Stop(Termination::kNoProgress);
   }
 
-  /// Computes dx; false if there is none (the iteration is then over).
-  bool ComputeStep(const DampingTerm& damping, LinearSolverResult* result) {
-    Status status;
-    {
-      const Timed timed(&summary_.time.eliminate_s);
-      status = w_.equations.Eliminate(w_.structure, *graph_, damping, &w_.threads);
+  /// False if there is no step; the iteration is then over.
+  bool ComputeStep() {
+    const StepStrategy::Outcome outcome = strategy_.ComputeStep();
+    iteration_.linear_iterations = strategy_.linear_iterations();
+    switch (outcome) {
+      case StepStrategy::Outcome::kStep:
+        return true;
+      case StepStrategy::Outcome::kRetry:
+        Reject();
+        return false;
+      case StepStrategy::Outcome::kExhausted:
+        Reject();
+        Fail(std::move(strategy_.status()));
+        return false;
+      case StepStrategy::Outcome::kOutOfTime:
+        Stop(Termination::kMaxTime);
+        return false;
     }
-    if (OutOfTime()) return false;
-    if (status.ok()) {
-      const Timed timed(&summary_.time.solve_s);
-      status = w_.equations.Solve(w_.structure, *graph_, w_.Solver(options_), &w_.threads, result);
-    }
-    if (OutOfTime()) return false;
-    if (status.ok()) return true;
-    // Too little information for this lambda: more damping helps, where it reaches.
-    Reject();
-    const bool beyond_damping = damping.reduced_only && status.code() == StatusCode::kSingular &&
-                                status.vertex() && status.message().starts_with("landmark");
-    if (beyond_damping || done_) Fail(std::move(status));
     return false;
+  }
+
+  double StepNorm() const {
+    double sum = 0.0;
+    for (const double x : strategy_.step())
+      sum += x * x;
+    return std::sqrt(sum);
   }
 
   bool StepConverged(double step_norm) {
@@ -196,23 +182,20 @@ class LevenbergMarquardt {
     iteration_tried_ = false;
     if (OutOfTime()) return;
     iteration_tried_ = true;
-    const DampingTerm damping = MakeDamping(options_, lambda_);
-    LinearSolverResult result;
-    if (!ComputeStep(damping, &result)) return;
-    iteration_.linear_iterations = result.iterations;
-    iteration_.step_norm = w_.equations.StepNorm();
+    if (!ComputeStep()) return;
+    iteration_.step_norm = StepNorm();
     if (StepConverged(iteration_.step_norm)) {
       iteration_tried_ = false;  // not applied
       return;
     }
-    const double predicted = w_.equations.ModelDecrease(w_.structure, damping, result);
+    const double predicted = strategy_.predicted();
 
     double trial_cost = 0.0;
     Status status;
     {
       const Timed timed(&summary_.time.cost_s);
       graph_->SaveStates();
-      ApplyStep(w_.structure, w_.equations.step(), graph_);
+      ApplyStep(w_.structure, strategy_.step(), graph_);
       status = w_.equations.Cost(w_.structure, *graph_, &w_.threads, &trial_cost);
     }
     const double decrease = cost_ - trial_cost;
@@ -221,41 +204,30 @@ class LevenbergMarquardt {
     const double rounding = 16.0 * std::numeric_limits<double>::epsilon() * cost_;
     const bool invisible = predicted >= 0.0 && predicted <= rounding;
     iteration_.cost_change = status.ok() ? decrease : 0.0;
-    iteration_.gain_ratio = invisible ? 1.0 : GainRatio(damping, decrease, predicted);
+    iteration_.gain_ratio = invisible ? 1.0 : strategy_.GainRatio(decrease);
     const bool accept =
         status.ok() && predicted >= 0.0 && std::isfinite(predicted) &&
-        (invisible ? decrease >= -rounding : decrease > 0.0 && iteration_.gain_ratio > 0.0);
+        (invisible ? decrease >= -rounding
+                   : decrease > 0.0 && iteration_.gain_ratio > options_.min_relative_decrease);
     if (!accept) {
       graph_->RestoreStates();
       if (status.ok() && options_.cost_tolerance > 0.0 && !options_.course_stop &&
           std::abs(predicted) <= options_.cost_tolerance * cost_) {
-        iteration_.accepted = false;
-        ++summary_.rejected_steps;
+        Reject();
         return Stop(Termination::kConvergedCost);
       }
+      Reject();
       if (OutOfTime()) return;
-      return Reject();
+      if (!strategy_.Rejected()) Stop(Termination::kNoProgress);
+      return;
     }
 
     ++summary_.accepted_steps;
     cost_ = summary_.final_cost = trial_cost;
-    // Nielsen's update; the course's variant lets no accepted step raise lambda.
-    const double t = 2.0 * iteration_.gain_ratio - 1.0;
-    const double most = damping.reduced_only ? 2.0 / 3.0 : 2.0;
-    const double factor = std::clamp(1.0 - t * t * t, 1.0 / 3.0, most);
-    lambda_ = std::max(lambda_ * factor, options_.min_lambda);
-    nu_ = 2.0;
+    strategy_.Accepted(iteration_.gain_ratio);
     if (CostConverged(decrease) || OutOfTime()) return;
     if (!Linearize()) return;
     GradientConverged();
-  }
-
-  double GainRatio(const DampingTerm& damping, double decrease, double predicted) const {
-    if (!damping.reduced_only) return predicted > 0.0 ? decrease / predicted : -1.0;
-    // The course's: in units of sum of Chi2, with its guard against division by zero.
-    const double step = w_.equations.StepNorm();
-    const double model = damping.lambda * step * step + w_.equations.GradientDotStep() + 1e-3;
-    return 2.0 * decrease / model;
   }
 
   bool CostConverged(double decrease) {
@@ -293,8 +265,9 @@ class LevenbergMarquardt {
   Graph* graph_;
   SolverWorkspace& w_;
   const SolveOptions& options_;
+  StepStrategy& strategy_;
   SolveSummary& summary_;
-  const Clock::time_point start_ = Clock::now();
+  const Clock::time_point start_;
   Clock::time_point iteration_start_ = start_;
   IterationSummary iteration_;
   bool iteration_tried_ = false;
@@ -302,61 +275,22 @@ class LevenbergMarquardt {
   double cost_ = 0.0;
   double gradient_ = 0.0;
   double initial_gradient_ = 0.0;
-  double lambda_ = 0.0;
-  double nu_ = 2.0;
 };
 
 }  // namespace
 
-LinearSolver* SolverWorkspace::Solver(const SolveOptions& options) {
-  if (options.linear_solver != nullptr) return options.linear_solver;
-  switch (options.linear_solver_type) {
-    case LinearSolverType::kDenseCholesky:
-      return &dense_cholesky;
-    case LinearSolverType::kSparseCholesky:
-      return &sparse_cholesky;
-    case LinearSolverType::kPcg:
-      pcg.set_options(options.pcg);
-      return &pcg;
-    case LinearSolverType::kAuto:
-      break;
-  }
-  // Small fronts run at about a third of the speed of one dense factorization.
-  constexpr double kWorthwhile = 0.3;
-  const ReducedSystem system = equations.reduced();
-  if (system.pattern.empty()) return &dense_cholesky;
-  sparse_cholesky.Analyze(system);
-  if (sparse_cholesky.FlopRatio() < kWorthwhile) return &sparse_cholesky;
-  return &dense_cholesky;
-}
-
 const SolveSummary& Solve(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options) {
   const Clock::time_point start = Clock::now();
-  LevenbergMarquardt(graph, workspace, options).Run();
+  const auto run = [&](StepStrategy&& strategy) {
+    Minimizer(graph, workspace, options, &strategy, start).Run();
+  };
+  if (options.method == Method::kDogleg) {
+    run(DoglegStrategy(graph, workspace, options, start));
+  } else {
+    run(LevenbergMarquardtStrategy(graph, workspace, options, start));
+  }
   workspace->summary.time.total_s = SecondsSince(start);
   return workspace->summary;
-}
-
-void ApplyStep(const Structure& structure, const std::vector<double>& step, Graph* graph) {
-  for (const auto& pool : graph->vertex_pools()) {
-    pool->Plus(step.data(), structure.step_offsets(pool->id()).data(), pool->size());
-  }
-  for (const PoseBlock& pose : structure.poses()) {
-    if (pose.free_tangent < 0) continue;
-    VertexPoolBase& pool = *graph->vertex_pools()[static_cast<std::size_t>(pose.pool)];
-    graph->free_tangents()[static_cast<std::size_t>(pose.free_tangent)].Plus(
-        step.data() + pose.offset, pool.Data(pose.index));
-  }
-}
-
-DampingTerm MakeDamping(const SolveOptions& options, double lambda) {
-  DampingTerm damping;
-  damping.lambda = lambda;
-  damping.identity = options.damping == Damping::kIdentity;
-  damping.reduced_only = options.damping == Damping::kPoseBlock;
-  damping.min_diagonal = options.min_diagonal;
-  damping.max_diagonal = options.max_diagonal;
-  return damping;
 }
 
 }  // namespace glissade

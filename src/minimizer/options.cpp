@@ -18,6 +18,13 @@ Status SolveOptions::Validate() const {
   if (!non_negative(cost_tolerance)) return refuse("cost_tolerance must not be negative");
   if (!non_negative(gradient_tolerance)) return refuse("gradient_tolerance must not be negative");
   if (!non_negative(step_tolerance)) return refuse("step_tolerance must not be negative");
+  if (!(min_relative_decrease >= 0.0 && min_relative_decrease < 1.0)) {
+    return refuse("min_relative_decrease must be in [0, 1)");
+  }
+  if (!(initial_radius > 0.0)) return refuse("initial_radius must be positive");
+  if (method == Method::kDogleg && damping == Damping::kPoseBlock) {
+    return refuse("kPoseBlock is a damping of Levenberg-Marquardt, not of the dogleg");
+  }
   if (!non_negative(initial_lambda)) return refuse("initial_lambda must not be negative");
   if (!non_negative(min_lambda)) return refuse("min_lambda must not be negative");
   if (!(max_lambda > 0.0)) return refuse("max_lambda must be positive");

@@ -65,6 +65,15 @@ class NormalEquations {
   [[nodiscard]] double ModelDecrease(const Structure& structure, const DampingTerm& damping,
                                      const LinearSolverResult& result);
 
+  /// d'H d for any direction d in the order of step().
+  [[nodiscard]] double QuadraticForm(const Structure& structure, const Graph& graph,
+                                     const std::vector<double>& d);
+  /// Decrease of the model 1/2 r'r when going by d: b'd - 1/2 d'H d.
+  [[nodiscard]] double ModelDecrease(const Structure& structure, const Graph& graph,
+                                     const std::vector<double>& d);
+  /// diag(H), in the order of step(); 0 where a coordinate is held.
+  [[nodiscard]] const std::vector<double>& diagonal() const { return diagonal_; }
+
   [[nodiscard]] const std::vector<double>& h_pp() const { return h_pp_[0]; }
   /// b = -gradient of all free variables, in the order of step().
   [[nodiscard]] const std::vector<double>& b() const { return b_; }

@@ -22,13 +22,14 @@ struct SolverWorkspace {
   SparseCholeskySolver sparse_cholesky;
   PcgSolver pcg;
   SolveSummary summary;
+  std::vector<double> dogleg_scale, dogleg_gradient, dogleg_step;
 
   /// The solver of the reduced system that the options ask for (after Eliminate).
   LinearSolver* Solver(const SolveOptions& options);
 };
 
-/// Levenberg-Marquardt from the graph's present values. Leaves the best state found in the graph,
-/// also when it fails; the summary is in the workspace.
+/// Minimizes from the graph's present values, by the method in the options. Leaves the best state
+/// found in the graph, also when it fails; the summary is in the workspace.
 const SolveSummary& Solve(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options);
 
 /// x <- x boxplus step for all free vertices (partly fixed poses in their charts).

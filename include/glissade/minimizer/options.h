@@ -11,6 +11,12 @@
 
 namespace glissade {
 
+/// How a step is found.
+enum class Method {
+  kLevenbergMarquardt,
+  kDogleg,  ///< Powell's dogleg in the scaled space of diag(H) (Nocedal and Wright, Sec. 4.1)
+};
+
 /// What lambda multiplies in (H + lambda D) dx = b.
 enum class Damping {
   kDiagonal,   ///< D = diag(H), clamped; all variables, landmarks included (Marquardt)
@@ -41,6 +47,11 @@ struct SolveOptions {
   /// |dx|^2 <= 1e-6, or at sqrt(chi) <= 1e-6 chi_0. For comparison only.
   bool course_stop = false;
 
+  Method method = Method::kLevenbergMarquardt;
+  /// A step is accepted where the cost falls by more than this part of the predicted decrease.
+  /// Ceres takes 1e-3.
+  double min_relative_decrease = 0.0;
+
   // --- Levenberg-Marquardt (Nielsen's update; Madsen, Nielsen, Tingleff 2004, Alg. 3.16) -------
   Damping damping = Damping::kDiagonal;
   /// lambda_0; for kIdentity and kPoseBlock it is multiplied by max diag(H).
@@ -49,6 +60,9 @@ struct SolveOptions {
   double max_lambda = 1e32;
   double min_diagonal = 1e-6;  ///< clamp of diag(H) in kDiagonal
   double max_diagonal = 1e32;
+
+  // --- Dogleg -----------------------------------------------------------------------------------
+  double initial_radius = 1e4;  ///< of the trust region, in the scaled space
 
   // --- Linear algebra -------------------------------------------------------------------------
   LinearSolverType linear_solver_type = LinearSolverType::kAuto;

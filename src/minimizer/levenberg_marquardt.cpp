@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "minimizer/step_strategy.h"
+
+namespace glissade {
+
+StepStrategy::Outcome StepStrategy::SolveDamped(const DampingTerm& damping,
+                                                LinearSolverResult* result) {
+  {
+    const Timed timed(&w_.summary.time.eliminate_s);
+    status_ = w_.equations.Eliminate(w_.structure, *graph_, damping, &w_.threads);
+  }
+  if (OutOfTime()) return Outcome::kOutOfTime;
+  const bool eliminated = status_.ok();
+  if (eliminated) {
+    const Timed timed(&w_.summary.time.solve_s);
+    status_ = w_.equations.Solve(w_.structure, *graph_, w_.Solver(options_), &w_.threads, result);
+    linear_iterations_ = result->iterations;
+  }
+  if (OutOfTime()) return Outcome::kOutOfTime;
+  if (status_.ok()) return Outcome::kStep;
+  // Too little information for this damping: more of it helps, where it reaches.
+  return !eliminated && damping.reduced_only ? Outcome::kExhausted : Outcome::kRetry;
+}
+
+void LevenbergMarquardtStrategy::Start() {
+  lambda_ = options_.initial_lambda;
+  if (options_.damping != Damping::kDiagonal) {
+    const double largest = w_.equations.MaxDiagonal();
+    lambda_ *= largest > 0.0 ? largest : 1.0;
+  }
+}
+
+StepStrategy::Outcome LevenbergMarquardtStrategy::ComputeStep() {
+  damping_ = MakeDamping(options_, lambda_);
+  LinearSolverResult result;
+  const Outcome outcome = SolveDamped(damping_, &result);
+  if (outcome == Outcome::kStep) {
+    predicted_ = w_.equations.ModelDecrease(w_.structure, damping_, result);
+  } else if (outcome == Outcome::kRetry && !Rejected()) {
+    return Outcome::kExhausted;
+  }
+  return outcome;
+}
+
+double LevenbergMarquardtStrategy::GainRatio(double decrease) const {
+  if (!damping_.reduced_only) return StepStrategy::GainRatio(decrease);
+  // The course's: in units of sum of Chi2, with its guard against division by zero.
+  const double step = w_.equations.StepNorm();
+  const double model = damping_.lambda * step * step + w_.equations.GradientDotStep() + 1e-3;
+  return 2.0 * decrease / model;
+}
+
+void LevenbergMarquardtStrategy::Accepted(double gain_ratio) {
+  // The course's variant lets no accepted step raise lambda.
+  const double t = 2.0 * gain_ratio - 1.0;
+  const double most = damping_.reduced_only ? 2.0 / 3.0 : 2.0;
+  const double factor = std::clamp(1.0 - t * t * t, 1.0 / 3.0, most);
+  lambda_ = std::max(lambda_ * factor, options_.min_lambda);
+  nu_ = 2.0;
+}
+
+bool LevenbergMarquardtStrategy::Rejected() {
+  lambda_ *= nu_;
+  nu_ *= 2.0;
+  return lambda_ <= options_.max_lambda && std::isfinite(lambda_);
+}
+
+}  // namespace glissade

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/minimizer/minimizer.h"
+
+namespace glissade {
+
+LinearSolver* SolverWorkspace::Solver(const SolveOptions& options) {
+  if (options.linear_solver != nullptr) return options.linear_solver;
+  switch (options.linear_solver_type) {
+    case LinearSolverType::kDenseCholesky:
+      return &dense_cholesky;
+    case LinearSolverType::kSparseCholesky:
+      return &sparse_cholesky;
+    case LinearSolverType::kPcg:
+      pcg.set_options(options.pcg);
+      return &pcg;
+    case LinearSolverType::kAuto:
+      break;
+  }
+  // Small fronts run at about a third of the speed of one dense factorization.
+  constexpr double kWorthwhile = 0.3;
+  const ReducedSystem system = equations.reduced();
+  if (system.pattern.empty()) return &dense_cholesky;
+  sparse_cholesky.Analyze(system);
+  if (sparse_cholesky.FlopRatio() < kWorthwhile) return &sparse_cholesky;
+  return &dense_cholesky;
+}
+
+void ApplyStep(const Structure& structure, const std::vector<double>& step, Graph* graph) {
+  for (const auto& pool : graph->vertex_pools()) {
+    pool->Plus(step.data(), structure.step_offsets(pool->id()).data(), pool->size());
+  }
+  for (const PoseBlock& pose : structure.poses()) {
+    if (pose.free_tangent < 0) continue;
+    VertexPoolBase& pool = *graph->vertex_pools()[static_cast<std::size_t>(pose.pool)];
+    graph->free_tangents()[static_cast<std::size_t>(pose.free_tangent)].Plus(
+        step.data() + pose.offset, pool.Data(pose.index));
+  }
+}
+
+DampingTerm MakeDamping(const SolveOptions& options, double lambda) {
+  DampingTerm damping;
+  damping.lambda = lambda;
+  damping.identity = options.damping == Damping::kIdentity;
+  damping.reduced_only = options.damping == Damping::kPoseBlock;
+  damping.min_diagonal = options.min_diagonal;
+  damping.max_diagonal = options.max_diagonal;
+  return damping;
+}
+
+}  // namespace glissade
