@@ -66,7 +66,7 @@ struct SolveOptions {
 
   // --- Linear algebra -------------------------------------------------------------------------
   LinearSolverType linear_solver_type = LinearSolverType::kAuto;
-  PcgOptions pcg;
+  PcgOptions pcg = {};
   /// Your own solver of the reduced system, used instead of linear_solver_type where not null. Not
   /// owned; must outlive the solve.
   LinearSolver* linear_solver = nullptr;
@@ -79,7 +79,7 @@ struct SolveOptions {
   bool allow_duplicate_observations = false;
   bool verbose = false;  ///< print a table line per iteration to stderr
   /// Called after every iteration.
-  std::function<CallbackAction(const IterationSummary&)> callback;
+  std::function<CallbackAction(const IterationSummary&)> callback = {};
 
   /// Refuses values that make no sense, naming the option.
   [[nodiscard]] Status Validate() const;
