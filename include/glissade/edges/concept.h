@@ -43,6 +43,8 @@ struct VertexList {
   using Type = std::tuple_element_t<static_cast<std::size_t>(I), std::tuple<V...>>;
 };
 
+// clang-format 14 takes concepts apart.
+// clang-format off
 template <class E>
 concept EdgeHasVertices = requires {
   typename E::Vertices;
@@ -72,6 +74,7 @@ concept EdgeHasEvaluate = internal::kCanEvaluate<E, typename E::Vertices>;
 template <class E>
 concept EdgeType = std::copyable<E> && EdgeHasVertices<E> && EdgeHasResidualDim<E> &&
                    EdgeHasEvaluate<E>;
+// clang-format on
 
 /// The I-th vertex type of edge type E.
 template <class E, int I>
@@ -84,9 +87,11 @@ using EdgeVertexHandles = typename E::Vertices::Handles;
 /// Calls f(std::integral_constant<int, 0>{}), ..., f(<N - 1>).
 template <int N, class F>
 constexpr void ForEachIndex(F&& f) {
+  // clang-format off
   [&]<int... I>(std::integer_sequence<int, I...>) {
     (f(std::integral_constant<int, I>{}), ...);
   }(std::make_integer_sequence<int, N>{});
+  // clang-format on
 }
 
 }  // namespace glissade

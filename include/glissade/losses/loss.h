@@ -12,8 +12,8 @@
 
 namespace glissade {
 
-/// What a type must offer to be a robust loss: rho(s) of the squared whitened residual s = r' Omega r
-/// and its first two derivatives, rho(0) = 0, rho'(0) = 1 for a loss that is quadratic near zero.
+/// What a type must offer to be a robust loss: rho(s) of the squared whitened residual s = r' Omega
+/// r and its first two derivatives, rho(0) = 0, rho'(0) = 1 for a loss that is quadratic near zero.
 /// The cost of an edge is rho(s) / 2. Plain value, trivially copyable, at most 32 bytes.
 ///
 ///     struct GemanMcClure {
@@ -21,9 +21,12 @@ namespace glissade {
 ///       void Evaluate(double s, double rho[3]) const;   // rho, rho', rho''
 ///       Status Validate() const;                        // optional
 ///     };
+// clang-format 14 takes concepts apart.
+// clang-format off
 template <class L>
 concept LossType = std::is_trivially_copyable_v<L> && sizeof(L) <= 32 && alignof(L) <= 8 &&
                    requires(const L loss, double s, double* rho) { loss.Evaluate(s, rho); };
+// clang-format on
 
 /// A loss of any type, held by value. Default: the trivial loss rho(s) = s.
 class Loss {

@@ -26,6 +26,8 @@
 /// (x boxplus d) boxminus x = d for small d.
 namespace glissade {
 
+// clang-format 14 takes concepts apart.
+// clang-format off
 template <class V>
 concept VertexHasDimensions = requires {
   { V::kAmbientDim } -> std::convertible_to<int>;
@@ -47,6 +49,7 @@ concept VertexHasManifold = requires(V v, const V cv, const double* in, double* 
 template <class V>
 concept VertexType = std::copyable<V> && std::default_initializable<V> && VertexHasDimensions<V> &&
                      VertexHasData<V> && VertexHasManifold<V>;
+// clang-format on
 
 /// True for landmark types: eliminated from the normal equations one by one (Schur complement).
 template <class V>
