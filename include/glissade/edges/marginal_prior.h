@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "glissade/edges/dynamic.h"
+
+namespace glissade {
+
+/// What is left of marginalized states: a quadratic on any number of vertices of any types,
+///     r(x) = r0 + J (x boxminus x0).
+/// The residual is exact; a solve takes J as it is for its derivative (first-estimate Jacobians:
+/// the marginalized information was linearized at x0 and has no other derivative), so H = J'J is
+/// constant and computed once. At x = x0 the two agree. Copies share their numbers.
+///
+/// Source: G. Huang, A. Mourikis, S. Roumeliotis, "A First-Estimates Jacobian EKF for Improving
+/// SLAM Consistency" (ISER 2008); S. Leutenegger et al., "Keyframe-Based Visual-Inertial Odometry
+/// Using Nonlinear Optimization" (IJRR 2015), Sec. 4.3.
+class EdgeMarginalPrior final : public DynamicEdge {
+ public:
+  /// vertices: the types, in the order in which the edge will be given its vertices. x0: their
+  /// ambient states, one after the other. r0: rows. J: rows x D, row-major, with D the sum of the
+  /// tangent dimensions. Refused: sizes that do not match (kInvalidArgument), numbers that are not
+  /// finite (kNotFinite).
+  static Result<std::unique_ptr<EdgeMarginalPrior>> Create(
+      std::span<const VertexOps* const> vertices, std::span<const double> x0,
+      std::span<const double> r0, std::span<const double> jacobian);
+
+  [[nodiscard]] std::span<const VertexOps* const> vertex_types() const;
+  [[nodiscard]] std::span<const double> x0() const;
+  [[nodiscard]] std::span<const double> r0() const;
+  /// ResidualDim() x TangentDim(), row-major.
+  [[nodiscard]] std::span<const double> jacobian() const;
+  [[nodiscard]] int TangentDim() const;
+
+  [[nodiscard]] Status CheckVertices(std::span<const VertexOps* const> vertices) const override;
+  [[nodiscard]] int ResidualDim() const override;
+  /// The exact derivative, J d(x boxminus x0)/dx.
+  bool Evaluate(std::span<const VertexRef> vertices, double* residual,
+                double* const* jacobians) const override;
+  [[nodiscard]] const double* ConstantHessian() const override;
+  /// gradient = J'r with the constant J.
+  bool LinearizeQuadratic(std::span<const VertexRef> vertices, double* gradient,
+                          double* squared_norm) const override;
+  [[nodiscard]] std::unique_ptr<DynamicEdge> Clone() const override;
+
+ private:
+  struct Data;
+  explicit EdgeMarginalPrior(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+
+  std::shared_ptr<const Data> data_;
+};
+
+}  // namespace glissade
