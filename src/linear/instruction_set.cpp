@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/linear/instruction_set.h"
+
+#include "kernels/kernels.h"
+
+namespace glissade {
+
+const char* InstructionSetName() {
+  return kernels::Kernels().name;
+}
+
+}  // namespace glissade
