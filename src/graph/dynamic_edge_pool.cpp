@@ -19,8 +19,9 @@ using VectorMap = Eigen::Map<Eigen::VectorXd>;
 }  // namespace
 
 EdgeHandle<DynamicEdge> DynamicEdgePool::Add(std::unique_ptr<DynamicEdge> edge,
-                                             std::span<const Vertex> vertices, const Loss& loss) {
-  const auto address = slots_.Add();
+                                             std::span<const Vertex> vertices, const Loss& loss,
+                                             std::uint64_t stamp) {
+  const auto address = slots_.Add(stamp);
   items_.emplace_back();
   Entry& item = items_.back();
   item.edge = std::move(edge);

@@ -3,7 +3,9 @@
 #include "glissade/graph/graph.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <utility>
 
 #include "glissade/vertices/pose.h"
 
@@ -31,7 +33,43 @@ Status UnknownEdge(AnyEdge edge) {
   return {StatusCode::kUnknownHandle, "edge " + ToString(edge) + " is not in this graph", edge};
 }
 
+/// Only ever compared for equality, so that nothing depends on how many graphs there were before.
+std::uint64_t NewIdentity() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+/// By the oldest element; stable, in place (there are a handful of pools).
+template <class Pool>
+void SortByAge(std::vector<std::unique_ptr<Pool>>* pools) {
+  for (std::size_t k = 1; k < pools->size(); ++k) {
+    for (std::size_t i = k; i > 0; --i) {
+      auto &before = (*pools)[i - 1], &after = (*pools)[i];
+      if (before->slots().FirstStamp() <= after->slots().FirstStamp()) break;
+      std::swap(before, after);
+    }
+  }
+}
+
 }  // namespace
+
+Graph::Graph() : identity_(NewIdentity()) {}
+
+Graph::Graph(Graph&& other) noexcept : Graph() {
+  *this = std::move(other);
+}
+
+Graph& Graph::operator=(Graph&& other) noexcept {
+  if (this == &other) return *this;
+  vertex_pools_ = std::exchange(other.vertex_pools_, {});
+  edge_pools_ = std::exchange(other.edge_pools_, {});
+  free_tangents_ = std::exchange(other.free_tangents_, {});
+  saved_free_tangents_ = std::exchange(other.saved_free_tangents_, {});
+  structure_version_ = other.structure_version_;
+  weights_version_ = other.weights_version_;
+  identity_ = std::exchange(other.identity_, NewIdentity());
+  return *this;
+}
 
 VertexPoolBase* Graph::PoolOf(const TypeInfo* type) const {
   for (const auto& pool : vertex_pools_) {
@@ -123,7 +161,7 @@ Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge
     pool = static_cast<DynamicEdgePool*>(edge_pools_.back().get());
   }
   StructureChanged();
-  return pool->Add(std::move(edge), sites, loss);
+  return pool->Add(std::move(edge), sites, loss, structure_version_);
 }
 
 Status Graph::RemoveVertex(AnyVertex vertex) {
@@ -216,7 +254,10 @@ Status Graph::SetLoss(AnyEdge edge, const Loss& loss) {
     return {StatusCode::kInvalidArgument,
             "a dynamic edge with a constant Hessian cannot have a robust loss", edge};
   }
+  // Another kind of loss may send the edge another way (structure/reprojection_plan.h).
+  if (site.pool->loss(site.index).type() != loss.type()) StructureChanged();
   site.pool->set_loss(site.index, loss);
+  ++weights_version_;
   return {};
 }
 
@@ -225,20 +266,22 @@ void Graph::Compact() {
     pool->Compact();
   for (const auto& pool : vertex_pools_)
     pool->Compact();
+  SortByAge(&edge_pools_);
+  SortByAge(&vertex_pools_);
+  for (std::size_t k = 0; k < vertex_pools_.size(); ++k)
+    vertex_pools_[k]->set_id(static_cast<int>(k));
 }
 
 void Graph::SaveStates() {
   for (const auto& pool : vertex_pools_)
     pool->Save();
-  for (FreeTangent& t : free_tangents_)
-    std::copy_n(t.dphi, 3, t.saved_dphi);
+  saved_free_tangents_ = free_tangents_;
 }
 
 void Graph::RestoreStates() {
   for (const auto& pool : vertex_pools_)
     pool->Restore();
-  for (FreeTangent& t : free_tangents_)
-    std::copy_n(t.saved_dphi, 3, t.dphi);
+  free_tangents_ = saved_free_tangents_;
 }
 
 Graph Graph::Clone() const {

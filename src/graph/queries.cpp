@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "glissade/graph/graph.h"
 #include "glissade/graph/robust.h"
@@ -157,16 +158,38 @@ Snapshot Graph::GetSnapshot() const {
 }
 
 Status Graph::RestoreSnapshot(const Snapshot& snapshot) {
-  if (snapshot.vertices != Vertices()) {
+  // A snapshot is plain numbers that may come from anywhere: check before touching anything.
+  std::size_t size = 0;
+  bool fits = static_cast<int>(snapshot.vertices.size()) == NumVertices();
+  for (std::size_t k = 0; fits && k < snapshot.vertices.size(); ++k) {
+    const VertexSite site = Locate(snapshot.vertices[k]);
+    fits = site.pool != nullptr;
+    if (fits) size += static_cast<std::size_t>(site.pool->ops().ambient_dim);
+  }
+  if (!fits) {
     return {StatusCode::kInvalidArgument,
             "RestoreSnapshot: vertices were added or removed since it was taken"};
+  }
+  if (snapshot.states.size() != size) {
+    return {StatusCode::kInvalidArgument,
+            "RestoreSnapshot: " + std::to_string(snapshot.states.size()) + " numbers instead of " +
+                std::to_string(size)};
+  }
+  if (Status status = ValidateFinite(snapshot.states.data(), static_cast<int>(size), "snapshot");
+      !status.ok()) {
+    return status;
+  }
+  for (const FreeTangent& tangent : snapshot.free_tangents) {
+    if (internal::AllFinite(tangent.q0, 4) && internal::AllFinite(tangent.dphi, 3)) continue;
+    return {StatusCode::kNotFinite, "RestoreSnapshot: the chart of a pose is not finite",
+            tangent.vertex};
   }
   const double* from = snapshot.states.data();
   for (const AnyVertex& vertex : snapshot.vertices) {
     const VertexSite site = Locate(vertex);
-    const int size = site.pool->ops().ambient_dim;
-    std::copy_n(from, size, site.pool->Data(site.index));
-    from += size;
+    const int dim = site.pool->ops().ambient_dim;
+    std::copy_n(from, dim, site.pool->Data(site.index));
+    from += dim;
   }
   // Charts: those of the snapshot for vertices that are still held alike, fresh ones for the rest.
   for (FreeTangent& tangent : free_tangents_) {

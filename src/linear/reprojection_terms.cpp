@@ -21,8 +21,9 @@ using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor | Eigen::DontAlign
 }  // namespace
 
 void ReprojectionTerms::Pack(const Structure& structure, const Graph& graph) {
-  if (analysis_ == structure.analysis()) return;
+  if (analysis_ == structure.analysis() && weights_ == graph.weights_version()) return;
   analysis_ = structure.analysis();
+  weights_ = graph.weights_version();
   const ReprojectionPlan& plan = structure.reprojections();
   hosts_.clear();
   targets_.clear();

@@ -19,7 +19,7 @@ namespace glissade {
 /// with xi = T [dp; dtheta], T = [I, [p - o]x R; 0, R].
 class ReprojectionTerms {
  public:
-  /// Measurements, weights and losses as arrays; once per analysis.
+  /// Measurements, weights and losses as arrays; once per analysis, and where weights changed.
   void Pack(const Structure& structure, const Graph& graph);
 
   /// Cameras, inverse depths and T at the graph's present values.
@@ -70,6 +70,7 @@ class ReprojectionTerms {
   Host* HostOf(int group) { return &hosts_[static_cast<std::size_t>(group)]; }
 
   std::uint64_t analysis_ = 0;
+  std::uint64_t weights_ = 0;
   std::vector<Host> hosts_;
   std::vector<Target> targets_;
   std::vector<double> x_, y_, rho_, point_, h_, b_, scale_, beta_, inverse_h_, ones_, product_;

@@ -3,6 +3,7 @@
 #include "glissade/structure/structure.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 #include "glissade/vertices/inverse_depth.h"
@@ -20,15 +21,19 @@ std::size_t Index(int i) {
   return static_cast<std::size_t>(i);
 }
 
+/// What is kept from one analysis to the next (a symbolic factorization, say) is told by this number
+/// whether it still holds, also where it has served another problem in between.
+std::uint64_t NewAnalysis() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 }  // namespace
 
 Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   const bool must_check = !checked_duplicates_ && !options.allow_duplicate_observations;
-  if (graph_ == graph && version_ == graph->structure_version() && !must_check &&
-      fuses_ == options.fuse_reprojections) {
-    return {};
-  }
-  graph_ = nullptr;
+  if (IsCurrent(*graph) && !must_check && fuses_ == options.fuse_reprojections) return {};
+  graph_ = 0;
   graph->Compact();
   num_pools_ = graph->edge_pools().size();
   words_.resize(num_pools_);
@@ -95,8 +100,8 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   FinishReprojectionPlan();
   if (Status status = CheckSize(); !status.ok()) return status;
   BuildReducedPattern();
-  ++analysis_;
-  graph_ = graph;
+  analysis_ = NewAnalysis();
+  graph_ = graph->identity();
   version_ = graph->structure_version();
   return {};
 }

@@ -22,7 +22,7 @@ class DynamicEdgePool final : public EdgePoolBase {
   };
 
   EdgeHandle<DynamicEdge> Add(std::unique_ptr<DynamicEdge> edge, std::span<const Vertex> vertices,
-                              const Loss& loss);
+                              const Loss& loss, std::uint64_t stamp);
 
   [[nodiscard]] const DynamicEdge& At(int edge) const { return *EntryAt(edge).edge; }
   [[nodiscard]] DynamicEdge& At(int edge) { return *items_[static_cast<std::size_t>(edge)].edge; }

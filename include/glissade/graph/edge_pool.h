@@ -45,8 +45,9 @@ class EdgePool final : public EdgePoolBase {
   // only (builtin_pools.h), which knows Eigen under another name.
   /// sqrt_information: kRows x kRows, row-major.
   EdgeHandle<E> Add(const E& edge, const EdgeVertexHandles<E>& vertices,
-                    const double* sqrt_information, bool identity, const Loss& loss) {
-    const auto address = slots_.Add();
+                    const double* sqrt_information, bool identity, const Loss& loss,
+                    std::uint64_t stamp) {
+    const auto address = slots_.Add(stamp);
     edges_.push_back(edge);
     Addresses addresses;
     ForEachIndex<kArity>([&](auto i) {

@@ -33,7 +33,6 @@ struct FreeTangent {
   double basis[kMaxTangentDim * kMaxTangentDim] = {};  ///< row-major, tangent_dim x free_dim
   double q0[4] = {0, 0, 0, 1};                         ///< R0, quaternion x y z w
   double dphi[3] = {0, 0, 0};
-  double saved_dphi[3] = {0, 0, 0};
 
   /// Chart with R0 = the pose's present rotation (pose: p, q as in VertexPose).
   static FreeTangent ForPose(AnyVertex vertex, Fix fix, const double* pose);

@@ -33,9 +33,10 @@ struct OutlierOptions {
 /// writers; instances are independent of each other.
 class Graph {
  public:
-  Graph() = default;
-  Graph(Graph&&) noexcept = default;
-  Graph& operator=(Graph&&) noexcept = default;
+  Graph();
+  /// What was moved from is empty, and can be used again.
+  Graph(Graph&& other) noexcept;
+  Graph& operator=(Graph&& other) noexcept;
   Graph(const Graph&) = delete;
   Graph& operator=(const Graph&) = delete;
 
@@ -146,9 +147,17 @@ class Graph {
   [[nodiscard]] const EdgePools& edge_pools() const { return edge_pools_; }
   [[nodiscard]] const std::vector<FreeTangent>& free_tangents() const { return free_tangents_; }
   [[nodiscard]] std::vector<FreeTangent>& free_tangents() { return free_tangents_; }
-  /// Changes with every change of structure: vertices, edges, what is fixed or eliminated.
+  /// Changes with every change of structure: vertices, edges, what is fixed or eliminated, the
+  /// kind of a loss. Counts for one identity().
   [[nodiscard]] std::uint64_t structure_version() const { return structure_version_; }
-  /// Closes the gaps that removals left; dense indices change, handles and order do not.
+  /// Changes with every other change of a weight or loss.
+  [[nodiscard]] std::uint64_t weights_version() const { return weights_version_; }
+  /// Whose versions these are: another number for every graph of this process, taken along when the
+  /// graph is moved. A clone has its own.
+  [[nodiscard]] std::uint64_t identity() const { return identity_; }
+  /// Closes the gaps that removals left, and sorts the pools by their oldest element; dense indices
+  /// change, handles and the order within a type do not. Types then stand as if what was removed
+  /// had never been there.
   void Compact();
   /// Keeps all states / goes back to them, without allocating once sized.
   void SaveStates();
@@ -191,8 +200,10 @@ class Graph {
 
   VertexPools vertex_pools_;
   EdgePools edge_pools_;
-  std::vector<FreeTangent> free_tangents_;
+  std::vector<FreeTangent> free_tangents_, saved_free_tangents_;
   std::uint64_t structure_version_ = 1;
+  std::uint64_t weights_version_ = 1;
+  std::uint64_t identity_;
 };
 
 }  // namespace glissade

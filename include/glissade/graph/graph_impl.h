@@ -51,6 +51,13 @@ EdgePool<E>& Graph::MakeEdgePool() {
 
 template <VertexType V>
 Status Graph::CheckVertex(const V& value) const {
+  // Pools reach all states from the first one and sizeof(V): the state must lie in the value.
+  const auto* begin = reinterpret_cast<const std::byte*>(&value);
+  const auto* data = reinterpret_cast<const std::byte*>(value.Data());
+  if (data < begin || data + sizeof(double) * V::kAmbientDim > begin + sizeof(V)) {
+    return {StatusCode::kInvalidArgument,
+            std::string(kTypeInfo<V>.name) + ": Data() must point into the vertex"};
+  }
   if (!internal::AllFinite(value.Data(), V::kAmbientDim)) {
     return {StatusCode::kNotFinite, std::string(kTypeInfo<V>.name) + ": state is not finite"};
   }
@@ -61,7 +68,7 @@ template <VertexType V>
 Result<VertexHandle<V>> Graph::AddVertex(const V& value) {
   if (Status status = CheckVertex(value); !status.ok()) return status;
   StructureChanged();
-  return MakePool<V>().Add(value);
+  return MakePool<V>().Add(value, structure_version_);
 }
 
 template <VertexType V>
@@ -73,10 +80,10 @@ Result<std::vector<VertexHandle<V>>> Graph::AddVertices(std::span<const V> value
   }
   std::vector<VertexHandle<V>> handles;
   handles.reserve(values.size());
+  StructureChanged();
   VertexPool<V>& pool = MakePool<V>();
   for (const V& value : values)
-    handles.push_back(pool.Add(value));
-  StructureChanged();
+    handles.push_back(pool.Add(value, structure_version_));
   return handles;
 }
 
@@ -102,7 +109,8 @@ Result<EdgeHandle<E>> Graph::AddEdge(const E& edge, const EdgeVertexHandles<E>& 
   if (status.ok()) status = options.loss.Validate();
   if (!status.ok()) return internal::About(status, kTypeInfo<E>.name);
   StructureChanged();
-  return MakeEdgePool<E>().Add(edge, vertices, sqrt.data(), identity, options.loss);
+  return MakeEdgePool<E>().Add(edge, vertices, sqrt.data(), identity, options.loss,
+                               structure_version_);
 }
 
 template <EdgeType E>
@@ -175,6 +183,7 @@ Status Graph::SetSqrtInformation(EdgeHandle<E> edge, const SquareMatrix<E::kResi
   if (!status.ok()) return {status.code(), status.message(), AnyEdge(edge)};
   EdgePool<E>* pool = Pool<E>();
   pool->set_sqrt_information(pool->slots().IndexOf(edge.slot), checked.data(), identity);
+  ++weights_version_;
   return {};
 }
 

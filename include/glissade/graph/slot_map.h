@@ -21,7 +21,8 @@ class SlotMap {
     std::uint32_t generation;
   };
 
-  Address Add() {
+  /// stamp: a number that does not fall from one insertion into the graph to the next.
+  Address Add(std::uint64_t stamp) {
     std::uint32_t slot;
     if (free_slots_.empty()) {
       slot = static_cast<std::uint32_t>(index_of_slot_.size());
@@ -36,6 +37,7 @@ class SlotMap {
     index_of_slot_[slot] = static_cast<std::uint32_t>(slot_of_index_.size());
     slot_of_index_.push_back(slot);
     alive_.push_back(1);
+    stamp_.push_back(stamp);
     ++num_alive_;
     return {slot, generation_of_slot_[slot]};
   }
@@ -68,6 +70,10 @@ class SlotMap {
   /// Number of dense entries, dead ones included until Compact().
   [[nodiscard]] int Size() const { return static_cast<int>(slot_of_index_.size()); }
   [[nodiscard]] int NumAlive() const { return num_alive_; }
+  /// Stamp of the oldest entry, dead ones included until Compact(); the largest number if empty.
+  [[nodiscard]] std::uint64_t FirstStamp() const {
+    return stamp_.empty() ? ~std::uint64_t{0} : stamp_.front();
+  }
 
   /// Closes gaps; calls move(from, to) with to < from for every value that moves, in order.
   template <class Move>
@@ -81,11 +87,13 @@ class SlotMap {
         slot_of_index_[to] = slot_of_index_[from];
         index_of_slot_[slot_of_index_[to]] = static_cast<std::uint32_t>(to);
         alive_[to] = 1;
+        stamp_[to] = stamp_[from];
       }
       ++to;
     }
     slot_of_index_.resize(to);
     alive_.resize(to);
+    stamp_.resize(to);
   }
 
  private:
@@ -93,6 +101,7 @@ class SlotMap {
   std::vector<std::uint32_t> generation_of_slot_;
   std::vector<std::uint32_t> slot_of_index_;
   std::vector<std::uint8_t> alive_;
+  std::vector<std::uint64_t> stamp_;
   std::vector<std::uint32_t> free_slots_;
   int num_alive_ = 0;
 };

@@ -74,8 +74,8 @@ class VertexPool final : public VertexPoolBase {
   VertexPool() : VertexPoolBase(kVertexOps<V>) { stride_ = sizeof(V); }
   VertexPool(const VertexPool& other) : VertexPoolBase(other), values_(other.values_) { Rebase(); }
 
-  VertexHandle<V> Add(const V& value) {
-    const auto address = slots_.Add();
+  VertexHandle<V> Add(const V& value, std::uint64_t stamp) {
+    const auto address = slots_.Add(stamp);
     values_.push_back(value);
     fix_.push_back(Fix::kFree);
     eliminated_.push_back(kIsEliminated<V> ? 1 : 0);

@@ -64,6 +64,10 @@ class Structure {
   /// Analyzes anew if the graph has changed since the last time (compacting it); cheap otherwise.
   /// Fails, naming both edges, on an observation that is in the graph twice.
   Status Analyze(Graph* graph, const StructureOptions& options = {});
+  /// Whether the last analysis was of this graph as it is now.
+  [[nodiscard]] bool IsCurrent(const Graph& graph) const {
+    return graph_ == graph.identity() && version_ == graph.structure_version();
+  }
 
   [[nodiscard]] const std::vector<PoseBlock>& poses() const { return poses_; }
   /// First scalar of each pose block, and their total at the end.
@@ -80,7 +84,7 @@ class Structure {
   /// Blocks of the reduced system S that can be non-zero, fill by landmarks included; empty where
   /// most of them are (S is then treated as dense).
   [[nodiscard]] const std::vector<BlockIndex>& reduced_pattern() const { return reduced_pattern_; }
-  /// A new number with every analysis that was not skipped; never 0.
+  /// A new number with every analysis that was not skipped, by any Structure; never 0.
   [[nodiscard]] std::uint64_t analysis() const { return analysis_; }
   [[nodiscard]] std::int64_t landmark_buffer_size() const { return landmark_buffer_size_; }
   /// Pose block of each W slot, ascending within a landmark, with its scalar row and dimension.
@@ -141,7 +145,7 @@ class Structure {
   Status CheckSize() const;
 
   std::uint64_t version_ = 0;
-  const Graph* graph_ = nullptr;
+  std::uint64_t graph_ = 0;  // its identity
   bool checked_duplicates_ = false;
   std::vector<PoseBlock> poses_;
   std::vector<std::int32_t> pose_offsets_{0};
