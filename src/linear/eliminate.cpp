@@ -154,8 +154,8 @@ void NormalEquations::ReduceChunks(int num_chunks, ThreadPool* threads) {
   });
 }
 
-Status NormalEquations::Eliminate(const Structure& structure, const Graph& graph,
-                                  const DampingTerm& damping, ThreadPool* threads) {
+StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& graph,
+                                       const DampingTerm& damping, ThreadPool* threads) {
   const int num_chunks = structure.num_chunks();
   // Copies of S are for landmarks of the general path; the fused ones bring their own.
   const int num_copies = structure.landmarks().empty() ? 1 : num_chunks;
@@ -186,39 +186,41 @@ Status NormalEquations::Eliminate(const Structure& structure, const Graph& graph
     const int failed = chunks_[Index(c)].failed_landmark;
     const int lane = chunks_[Index(c)].failed_lane;
     if (failed < 0 && lane < 0) continue;
-    AnyVertex vertex;
+    StepFailure failure;
+    failure.code = StatusCode::kSingular;
+    failure.what = "has too little information to be eliminated";
+    failure.is_landmark = true;
     if (failed >= 0) {
       const LandmarkBlock& landmark = structure.landmarks()[Index(failed)];
-      vertex = graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index);
+      failure.vertex = graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index);
     } else {
-      vertex = graph.Pool<VertexInverseDepth>()->HandleAt(
+      failure.vertex = graph.Pool<VertexInverseDepth>()->HandleAt(
           structure.reprojections().landmark_of_lane[Index(lane)]);
     }
-    return {StatusCode::kSingular,
-            "landmark " + ToString(vertex) + " has too little information to be eliminated",
-            vertex};
+    return failure;
   }
   ReduceChunks(num_copies, threads);
   reprojections_->AddReduced(structure, graph, S_[0].data(), stride_, b_s_[0].data());
   return {};
 }
 
-Status NormalEquations::Solve(const Structure& structure, const Graph& graph, LinearSolver* solver,
-                              ThreadPool* threads, LinearSolverResult* result) {
+StepFailure NormalEquations::Solve(const Structure& structure, const Graph& graph,
+                                   LinearSolver* solver, ThreadPool* threads,
+                                   LinearSolverResult* result) {
   *result = {};
   if (num_poses_scalars_ > 0) {
     *result = solver->Solve(reduced(), step_.data());
     if (!result->ok) {
-      AnyVertex vertex;
+      StepFailure failure;
+      failure.code = StatusCode::kSingular;
+      failure.what = "the reduced system is not positive definite";
+      const int pivot = result->failed_pivot;
       for (const PoseBlock& pose : structure.poses()) {
-        const int pivot = result->failed_pivot;
         if (pivot >= pose.offset && pivot < pose.offset + pose.dim) {
-          vertex = graph.vertex_pools()[Index(pose.pool)]->HandleAt(pose.index);
+          failure.vertex = graph.vertex_pools()[Index(pose.pool)]->HandleAt(pose.index);
         }
       }
-      std::string message = "the reduced system is not positive definite";
-      if (vertex) message += " at vertex " + ToString(vertex);
-      return {StatusCode::kSingular, std::move(message), vertex};
+      return failure;
     }
   } else {
     result->ok = true;
@@ -254,8 +256,12 @@ Status NormalEquations::Solve(const Structure& structure, const Graph& graph, Li
   double poison = 0.0;
   for (const double x : step_)
     poison += 0.0 * x;
-  if (poison != 0.0) return {StatusCode::kNotFinite, "the step is not finite"};
-  return {};
+  StepFailure failure;
+  if (poison != 0.0) {
+    failure.code = StatusCode::kNotFinite;
+    failure.what = "the step is not finite";
+  }
+  return failure;
 }
 
 }  // namespace glissade

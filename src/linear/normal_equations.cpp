@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/linear/normal_equations.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -17,13 +16,36 @@ std::size_t Index(std::int64_t i) {
   return static_cast<std::size_t>(i);
 }
 
-Status NoValue(const Graph& graph, int pool, int edge) {
-  const AnyEdge handle = graph.edge_pools()[Index(pool)]->HandleAt(edge);
-  return {StatusCode::kEvaluationFailed,
-          "edge " + ToString(handle) + " has no finite residual or Jacobian", handle};
+StepFailure NoValue(const Graph& graph, int pool, int edge) {
+  StepFailure failure;
+  failure.code = StatusCode::kEvaluationFailed;
+  failure.what = "has no finite residual or Jacobian";
+  failure.edge = graph.edge_pools()[Index(pool)]->HandleAt(edge);
+  return failure;
+}
+
+/// x <- P'x for the part x of a vector or matrix that belongs to a partly fixed pose: E'x, then
+/// zeros where a coordinate is held.
+void Project(const FreeTangent& tangent, double* x, int stride) {
+  double free[FreeTangent::kMaxTangentDim] = {};
+  for (int c = 0; c < tangent.free_dim; ++c) {
+    for (int r = 0; r < FreeTangent::kMaxTangentDim; ++r) {
+      free[c] += tangent.basis[r * tangent.free_dim + c] * x[r * stride];
+    }
+  }
+  for (int k = 0; k < FreeTangent::kMaxTangentDim; ++k)
+    x[k * stride] = free[k];
 }
 
 }  // namespace
+
+StepFailure::operator Status() const {
+  if (ok()) return {};
+  if (edge) return {code, "edge " + ToString(edge) + " " + what, edge};
+  if (!vertex) return {code, what};
+  if (is_landmark) return {code, "landmark " + ToString(vertex) + " " + what, vertex};
+  return {code, std::string(what) + " at vertex " + ToString(vertex), vertex};
+}
 
 NormalEquations::NormalEquations() : reprojections_(std::make_unique<ReprojectionTerms>()) {}
 NormalEquations::~NormalEquations() = default;
@@ -90,8 +112,8 @@ void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& gr
   out.cost = sink.cost + reprojections_->Linearize(structure, chunk, sink.h_pp, sink.b_p);
 }
 
-Status NormalEquations::CheckCosts(const Structure& structure, const Graph& graph,
-                                   double* cost) const {
+StepFailure NormalEquations::CheckCosts(const Structure& structure, const Graph& graph,
+                                        double* cost) const {
   *cost = 0.0;
   for (int c = 0; c < structure.num_chunks(); ++c) {
     const Chunk& chunk = chunks_[Index(c)];
@@ -99,13 +121,17 @@ Status NormalEquations::CheckCosts(const Structure& structure, const Graph& grap
     *cost += chunk.cost;
   }
   if (std::isfinite(*cost)) return {};
+  StepFailure failure;
+  failure.code = StatusCode::kEvaluationFailed;
+  failure.what = "has no finite residual or Jacobian";
   const int edge = reprojections_->FindFailed(graph);
   if (edge >= 0) {
-    const AnyEdge handle = graph.Pool<EdgeReprojection>()->HandleAt(edge);
-    return {StatusCode::kEvaluationFailed,
-            "edge " + ToString(handle) + " has no finite residual or Jacobian", handle};
+    failure.edge = graph.Pool<EdgeReprojection>()->HandleAt(edge);
+  } else {
+    failure.code = StatusCode::kNotFinite;
+    failure.what = "the cost is not finite";
   }
-  return {StatusCode::kNotFinite, "the cost is not finite"};
+  return failure;
 }
 
 Status NormalEquations::Linearize(const Structure& structure, Graph* graph, ThreadPool* threads,
@@ -119,7 +145,9 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
   reprojections_->Update(structure, *graph);
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int chunk) { LinearizeChunk(structure, *graph, chunk); });
-  if (Status status = CheckCosts(structure, *graph, cost); !status.ok()) return status;
+  if (const StepFailure failure = CheckCosts(structure, *graph, cost); !failure.ok()) {
+    return failure;
+  }
   for (int c = 1; c < num_chunks; ++c) {
     for (std::size_t k = 0; k < h_pp_[0].size(); ++k)
       h_pp_[0][k] += h_pp_[Index(c)][k];
@@ -155,52 +183,43 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
 
 void NormalEquations::ProjectFreeTangents(const Structure& structure, Graph* graph) {
   if (graph->free_tangents().empty()) return;
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, 16, 16>;
-  using Block = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   // P = [E 0]: edges filled full blocks; E' goes over them once per vertex, and the coordinates
-  // that are held become unit rows, so that blocks keep their size.
-  const auto projector = [&](const PoseBlock& pose) {
-    const FreeTangent& tangent = graph->free_tangents()[Index(pose.free_tangent)];
-    RowMajor P = RowMajor::Zero(pose.dim, pose.dim);
-    for (int r = 0; r < pose.dim; ++r) {
-      for (int c = 0; c < tangent.free_dim; ++c)
-        P(r, c) = tangent.basis[r * tangent.free_dim + c];
-    }
-    return P;
+  // that are held become unit rows, so that blocks keep their size. Only poses are fixed in part.
+  const auto tangent_of = [&](const PoseBlock& pose) -> const FreeTangent& {
+    return graph->free_tangents()[Index(pose.free_tangent)];
   };
   for (const PoseBlockPair& pair : structure.h_blocks()) {
     const PoseBlock& row = structure.poses()[Index(pair.row)];
     const PoseBlock& col = structure.poses()[Index(pair.col)];
-    if (row.free_tangent < 0 && col.free_tangent < 0) continue;
-    Block H(h_pp_[0].data() + pair.offset, row.dim, col.dim);
-    RowMajor product = H;
-    if (row.free_tangent >= 0) product = (projector(row).transpose() * product).eval();
-    if (col.free_tangent >= 0) product = (product * projector(col)).eval();
-    H = product;
+    double* H = h_pp_[0].data() + pair.offset;
+    if (row.free_tangent >= 0) {
+      for (int c = 0; c < col.dim; ++c)
+        Project(tangent_of(row), H + c, col.dim);
+    }
+    if (col.free_tangent >= 0) {
+      for (int r = 0; r < row.dim; ++r)
+        Project(tangent_of(col), H + r * col.dim, 1);
+    }
   }
   for (const LandmarkBlock& landmark : structure.landmarks()) {
     double* w = landmarks_.data() + landmark.record + landmark.dim * landmark.dim + landmark.dim;
     for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
       const PoseBlock& pose = structure.poses()[Index(structure.slot_block()[Index(s)])];
-      if (pose.free_tangent >= 0) {
-        Block W(w, pose.dim, landmark.dim);
-        W = (projector(pose).transpose() * W).eval();
-      }
+      for (int c = 0; pose.free_tangent >= 0 && c < landmark.dim; ++c)
+        Project(tangent_of(pose), w + c, landmark.dim);
       w += pose.dim * landmark.dim;
     }
   }
   for (const PoseBlock& pose : structure.poses()) {
     if (pose.free_tangent < 0) continue;
-    Eigen::Map<Eigen::VectorXd> b(b_p_[0].data() + pose.offset, pose.dim);
-    b = (projector(pose).transpose() * b).eval();
-    const int free_dim = graph->free_tangents()[Index(pose.free_tangent)].free_dim;
-    for (int k = free_dim; k < pose.dim; ++k)
+    Project(tangent_of(pose), b_p_[0].data() + pose.offset, 1);
+    for (int k = tangent_of(pose).free_dim; k < pose.dim; ++k)
       held_[Index(pose.offset + k)] = 1;
   }
 }
 
-Status NormalEquations::Cost(const Structure& structure, const Graph& graph, ThreadPool* threads,
-                             double* cost) {
+StepFailure NormalEquations::Cost(const Structure& structure, const Graph& graph,
+                                  ThreadPool* threads, double* cost) {
   reprojections_->Update(structure, graph);
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int c) {
@@ -221,10 +240,12 @@ Status NormalEquations::Cost(const Structure& structure, const Graph& graph, Thr
 }
 
 double NormalEquations::MaxGradient() const {
-  double largest = 0.0;
-  for (const double b : b_)
+  double largest = 0.0, poison = 0.0;
+  for (const double b : b_) {
     largest = std::max(largest, std::abs(b));
-  return largest;
+    poison += 0.0 * b;  // max() drops NaN
+  }
+  return largest + poison;
 }
 
 double NormalEquations::MaxDiagonal() const {

@@ -8,17 +8,17 @@
 
 namespace glissade {
 
-bool PcgSolver::FactorPreconditioner(const ReducedSystem& system) {
+int PcgSolver::FactorPreconditioner(const ReducedSystem& system) {
   const bool scalar = options_.preconditioner == Preconditioner::kJacobi;
   const std::size_t num_blocks = system.offsets.size() - 1;
   if (scalar) {
     inverse_.resize(static_cast<std::size_t>(system.size));
     for (int k = 0; k < system.size; ++k) {
       const double d = system(k, k);
-      if (!(d > 0.0)) return false;
+      if (!(d > 0.0)) return k;
       inverse_[static_cast<std::size_t>(k)] = 1.0 / d;
     }
-    return true;
+    return -1;
   }
   block_begin_.resize(num_blocks + 1);
   block_begin_[0] = 0;
@@ -35,9 +35,10 @@ bool PcgSolver::FactorPreconditioner(const ReducedSystem& system) {
       for (int r = c; r < dim; ++r)
         factor[r + c * dim] = system(offset + r, offset + c);
     }
-    if (kernels::Kernels().cholesky(dim, factor, dim) != 0) return false;
+    const int info = kernels::Kernels().cholesky(dim, factor, dim);
+    if (info != 0) return offset + info - 1;
   }
-  return true;
+  return -1;
 }
 
 void PcgSolver::Precondition(const ReducedSystem& system, const double* r, double* z) const {
@@ -57,7 +58,8 @@ void PcgSolver::Precondition(const ReducedSystem& system, const double* r, doubl
 LinearSolverResult PcgSolver::Solve(const ReducedSystem& system, double* x) {
   LinearSolverResult result;
   result.exact = false;
-  if (!FactorPreconditioner(system)) return result;
+  result.failed_pivot = FactorPreconditioner(system);
+  if (result.failed_pivot >= 0) return result;
   const kernels::KernelTable& kernel = kernels::Kernels();
   const int n = system.size;
   for (std::vector<double>* v : {&r_, &z_, &p_, &q_})

@@ -11,17 +11,17 @@ StepStrategy::Outcome StepStrategy::SolveDamped(const DampingTerm& damping,
                                                 LinearSolverResult* result) {
   {
     const Timed timed(&w_.summary.time.eliminate_s);
-    status_ = w_.equations.Eliminate(w_.structure, *graph_, damping, &w_.threads);
+    failure_ = w_.equations.Eliminate(w_.structure, *graph_, damping, &w_.threads);
   }
   if (OutOfTime()) return Outcome::kOutOfTime;
-  const bool eliminated = status_.ok();
+  const bool eliminated = failure_.ok();
   if (eliminated) {
     const Timed timed(&w_.summary.time.solve_s);
-    status_ = w_.equations.Solve(w_.structure, *graph_, w_.Solver(options_), &w_.threads, result);
+    failure_ = w_.equations.Solve(w_.structure, *graph_, w_.Solver(options_), &w_.threads, result);
     linear_iterations_ = result->iterations;
   }
   if (OutOfTime()) return Outcome::kOutOfTime;
-  if (status_.ok()) return Outcome::kStep;
+  if (failure_.ok()) return Outcome::kStep;
   // Too little information for this damping: more of it helps, where it reaches.
   return !eliminated && damping.reduced_only ? Outcome::kExhausted : Outcome::kRetry;
 }
@@ -30,8 +30,9 @@ void LevenbergMarquardtStrategy::Start() {
   lambda_ = options_.initial_lambda;
   if (options_.damping != Damping::kDiagonal) {
     const double largest = w_.equations.MaxDiagonal();
-    lambda_ *= largest > 0.0 ? largest : 1.0;
+    if (largest > 0.0) scale_ = largest;
   }
+  lambda_ *= scale_;
 }
 
 StepStrategy::Outcome LevenbergMarquardtStrategy::ComputeStep() {
@@ -64,7 +65,9 @@ void LevenbergMarquardtStrategy::Accepted(double gain_ratio) {
 }
 
 bool LevenbergMarquardtStrategy::Rejected() {
-  lambda_ *= nu_;
+  // From no damping at all there must be a way up.
+  constexpr double kLeast = 1e-15;
+  lambda_ = nu_ * std::max({lambda_, options_.min_lambda, kLeast * scale_});
   nu_ *= 2.0;
   return lambda_ <= options_.max_lambda && std::isfinite(lambda_);
 }

@@ -42,7 +42,7 @@ class Minimizer {
                              w_.structure.reprojections().num_landmarks;
     summary_.num_edges = w_.structure.num_edges();
     if (!Linearize()) return;
-    summary_.initial_cost = summary_.final_cost = cost_;
+    summary_.initial_cost = summary_.final_cost = lowest_cost_ = cost_;
     initial_gradient_ = gradient_;
     strategy_.Start();
     iteration_.cost = cost_;
@@ -68,7 +68,7 @@ class Minimizer {
     // In place, so that the storage of the last summary serves again.
     std::vector<IterationSummary> iterations = std::move(summary_.iterations);
     iterations.clear();
-    iterations.reserve(static_cast<std::size_t>(std::clamp(options_.max_iterations, 0, 255)) + 1);
+    iterations.reserve(static_cast<std::size_t>(std::clamp(options_.max_iterations, 0, 4095)) + 1);
     summary_ = {};
     summary_.iterations = std::move(iterations);
   }
@@ -137,6 +137,12 @@ class Minimizer {
     ++summary_.rejected_steps;
   }
 
+  void RejectStep() {
+    Reject();
+    if (OutOfTime()) return;
+    if (!strategy_.Rejected()) Stop(Termination::kNoProgress);
+  }
+
   /// False if there is no step; the iteration is then over.
   bool ComputeStep() {
     const StepStrategy::Outcome outcome = strategy_.ComputeStep();
@@ -149,9 +155,10 @@ class Minimizer {
         return false;
       case StepStrategy::Outcome::kExhausted:
         Reject();
-        Fail(std::move(strategy_.status()));
+        Fail(strategy_.failure());
         return false;
       case StepStrategy::Outcome::kOutOfTime:
+        iteration_tried_ = false;
         Stop(Termination::kMaxTime);
         return false;
     }
@@ -189,41 +196,44 @@ class Minimizer {
       return;
     }
     const double predicted = strategy_.predicted();
+    if (!std::isfinite(iteration_.step_norm) || !std::isfinite(predicted)) {
+      iteration_.step_norm = 0.0;  // so large a step that its square is no number
+      return RejectStep();
+    }
 
     double trial_cost = 0.0;
-    Status status;
+    StepFailure failure;
     {
       const Timed timed(&summary_.time.cost_s);
       graph_->SaveStates();
       ApplyStep(w_.structure, strategy_.step(), graph_);
-      status = w_.equations.Cost(w_.structure, *graph_, &w_.threads, &trial_cost);
+      failure = w_.equations.Cost(w_.structure, *graph_, &w_.threads, &trial_cost);
     }
-    const double decrease = cost_ - trial_cost;
+    const double decrease = failure.ok() ? cost_ - trial_cost : 0.0;
     // A predicted decrease below the rounding of the cost cannot be seen in the cost: the step is
-    // then taken on trust, as long as the cost does not rise by more than that rounding.
+    // then taken on trust, as long as the cost does not rise by more than that rounding above the
+    // lowest so far: such steps do not add up.
     const double rounding = 16.0 * std::numeric_limits<double>::epsilon() * cost_;
     const bool invisible = predicted >= 0.0 && predicted <= rounding;
-    iteration_.cost_change = status.ok() ? decrease : 0.0;
+    iteration_.cost_change = decrease;
     iteration_.gain_ratio = invisible ? 1.0 : strategy_.GainRatio(decrease);
     const bool accept =
-        status.ok() && predicted >= 0.0 && std::isfinite(predicted) &&
-        (invisible ? decrease >= -rounding
+        failure.ok() && predicted >= 0.0 &&
+        (invisible ? trial_cost <= lowest_cost_ + rounding
                    : decrease > 0.0 && iteration_.gain_ratio > options_.min_relative_decrease);
     if (!accept) {
       graph_->RestoreStates();
-      if (status.ok() && options_.cost_tolerance > 0.0 && !options_.course_stop &&
+      if (failure.ok() && options_.cost_tolerance > 0.0 && !options_.course_stop &&
           std::abs(predicted) <= options_.cost_tolerance * cost_) {
         Reject();
         return Stop(Termination::kConvergedCost);
       }
-      Reject();
-      if (OutOfTime()) return;
-      if (!strategy_.Rejected()) Stop(Termination::kNoProgress);
-      return;
+      return RejectStep();
     }
 
     ++summary_.accepted_steps;
     cost_ = summary_.final_cost = trial_cost;
+    lowest_cost_ = std::min(lowest_cost_, cost_);
     strategy_.Accepted(iteration_.gain_ratio);
     if (CostConverged(decrease) || OutOfTime()) return;
     if (!Linearize()) return;
@@ -273,6 +283,7 @@ class Minimizer {
   bool iteration_tried_ = false;
   bool done_ = false;
   double cost_ = 0.0;
+  double lowest_cost_ = 0.0;
   double gradient_ = 0.0;
   double initial_gradient_ = 0.0;
 };

@@ -34,7 +34,7 @@ class StepStrategy {
   enum class Outcome {
     kStep,       ///< step() and predicted() are set
     kRetry,      ///< the system could not be solved; the strategy has become more careful
-    kExhausted,  ///< ... and cannot become more so; status() says why
+    kExhausted,  ///< ... and cannot become more so; failure() says why
     kOutOfTime,
   };
 
@@ -59,7 +59,7 @@ class StepStrategy {
   /// What the iteration table shows as lambda.
   [[nodiscard]] virtual double Lambda() const = 0;
   [[nodiscard]] int linear_iterations() const { return linear_iterations_; }
-  [[nodiscard]] Status& status() { return status_; }
+  [[nodiscard]] const StepFailure& failure() const { return failure_; }
 
  protected:
   /// Eliminates and solves with the given damping: equations.step() holds dx.
@@ -72,7 +72,7 @@ class StepStrategy {
   Clock::time_point start_;
   double predicted_ = 0.0;
   int linear_iterations_ = 0;
-  Status status_;
+  StepFailure failure_;
 };
 
 /// Levenberg-Marquardt with Nielsen's update of lambda (Madsen, Nielsen, Tingleff 2004, Alg. 3.16);
@@ -91,6 +91,7 @@ class LevenbergMarquardtStrategy final : public StepStrategy {
  private:
   DampingTerm damping_;
   double lambda_ = 0.0;
+  double scale_ = 1.0;  // what lambda is relative to
   double nu_ = 2.0;
 };
 

@@ -3,6 +3,7 @@
 #include "glissade/problem/problem.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "glissade/minimizer/minimizer.h"
@@ -22,6 +23,12 @@ class Workspace {
   bool linearized = false;
   bool solved = false;
   bool updated = false;
+
+  /// H, b, dx and the states to roll back to are numbered as the graph was: they are void once its
+  /// structure has changed.
+  [[nodiscard]] bool Linearized(const Graph& graph) const {
+    return linearized && solver.structure.IsCurrent(graph);
+  }
 };
 
 Problem::Problem() : workspace_(std::make_unique<Workspace>()) {}
@@ -58,26 +65,26 @@ Status Problem::MakeHessian() {
 }
 
 Status Problem::SolveLinearSystem(double lambda, const SolveOptions& options) {
-  if (workspace_ == nullptr || !workspace_->linearized) {
+  if (workspace_ == nullptr || !workspace_->Linearized(*this)) {
     return {StatusCode::kInvalidArgument, "SolveLinearSystem: call MakeHessian() first"};
   }
   if (Status status = options.Validate(); !status.ok()) return status;
-  if (!(lambda >= 0.0)) {
+  if (!(lambda >= 0.0) || !std::isfinite(lambda)) {
     return {StatusCode::kInvalidArgument, "SolveLinearSystem: lambda must not be negative"};
   }
   SolverWorkspace& w = workspace_->solver;
   workspace_->solved = false;
   const DampingTerm damping = MakeDamping(options, lambda);
-  Status status = w.equations.Eliminate(w.structure, *this, damping, &w.threads);
-  if (!status.ok()) return status;
+  StepFailure failure = w.equations.Eliminate(w.structure, *this, damping, &w.threads);
+  if (!failure.ok()) return failure;
   LinearSolverResult result;
-  status = w.equations.Solve(w.structure, *this, w.Solver(options), &w.threads, &result);
-  workspace_->solved = status.ok();
-  return status;
+  failure = w.equations.Solve(w.structure, *this, w.Solver(options), &w.threads, &result);
+  workspace_->solved = failure.ok();
+  return failure;
 }
 
 Status Problem::UpdateStates() {
-  if (workspace_ == nullptr || !workspace_->solved) {
+  if (workspace_ == nullptr || !workspace_->solved || !workspace_->Linearized(*this)) {
     return {StatusCode::kInvalidArgument, "UpdateStates: call SolveLinearSystem() first"};
   }
   SaveStates();
@@ -88,7 +95,7 @@ Status Problem::UpdateStates() {
 }
 
 Status Problem::RollbackStates() {
-  if (workspace_ == nullptr || !workspace_->updated) {
+  if (workspace_ == nullptr || !workspace_->updated || !workspace_->Linearized(*this)) {
     return {StatusCode::kInvalidArgument, "RollbackStates: there is no update to take back"};
   }
   RestoreStates();
@@ -99,7 +106,7 @@ Status Problem::RollbackStates() {
 
 std::vector<AnyVertex> Problem::FreeVertices() const {
   std::vector<AnyVertex> vertices;
-  if (workspace_ == nullptr) return vertices;
+  if (workspace_ == nullptr || !workspace_->Linearized(*this)) return vertices;
   const Structure& structure = workspace_->solver.structure;
   const auto add = [&](const auto& block) {
     vertices.push_back(vertex_pools()[Index(block.pool)]->HandleAt(block.index));
@@ -113,7 +120,7 @@ std::vector<AnyVertex> Problem::FreeVertices() const {
 
 std::vector<int> Problem::FreeOffsets() const {
   std::vector<int> offsets{0};
-  if (workspace_ == nullptr) return offsets;
+  if (workspace_ == nullptr || !workspace_->Linearized(*this)) return offsets;
   const Structure& structure = workspace_->solver.structure;
   for (const PoseBlock& pose : structure.poses()) {
     const int dim =
@@ -127,7 +134,7 @@ std::vector<int> Problem::FreeOffsets() const {
 }
 
 int Problem::DenseSize() const {
-  return workspace_ != nullptr && workspace_->linearized ? FreeOffsets().back() : 0;
+  return FreeOffsets().back();
 }
 
 void Problem::FillHessian(double* H) const {
@@ -196,6 +203,10 @@ void Problem::FillRhs(double* b) const {
 
 void Problem::FillStep(double* dx) const {
   const SolverWorkspace& w = workspace_->solver;
+  if (!workspace_->solved && !workspace_->updated) {
+    std::fill_n(dx, DenseSize(), 0.0);  // what a failed solve left is no step
+    return;
+  }
   PickFree(w.structure, FreeOffsets(), w.equations.step().data(),
            w.equations.step().data() + w.structure.num_pose_scalars(), dx);
 }

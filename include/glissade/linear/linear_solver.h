@@ -80,7 +80,8 @@ class PcgSolver final : public LinearSolver {
   LinearSolverResult Solve(const ReducedSystem& system, double* x) override;
 
  private:
-  bool FactorPreconditioner(const ReducedSystem& system);
+  /// The pivot that is not positive, or -1.
+  int FactorPreconditioner(const ReducedSystem& system);
   void Precondition(const ReducedSystem& system, const double* r, double* z) const;
 
   PcgOptions options_;

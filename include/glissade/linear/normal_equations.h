@@ -24,6 +24,20 @@ struct DampingTerm {
 
 class ReprojectionTerms;
 
+/// Why a step or a trial cost does not exist: a Status without its message, because a step that is
+/// rejected must not allocate. Converts to the Status when somebody is to be told.
+struct [[nodiscard]] StepFailure {
+  StatusCode code = StatusCode::kOk;
+  const char* what = "";  ///< static text
+  AnyVertex vertex;       ///< the culprit, where there is one
+  AnyEdge edge;
+  /// A landmark could not be eliminated: damping of the reduced system alone does not help.
+  bool is_landmark = false;
+
+  [[nodiscard]] bool ok() const { return code == StatusCode::kOk; }
+  operator Status() const;  // NOLINT: implicit, it is one
+};
+
 /// The Gauss-Newton equations H dx = b of a graph by blocks, with landmarks apart:
 ///
 ///     [ H_pp  W    ] [dx_p]   [b_p]
@@ -38,17 +52,17 @@ class NormalEquations {
 
   /// H, b and the cost at the graph's present values. On failure names the edge that has no value.
   Status Linearize(const Structure& structure, Graph* graph, ThreadPool* threads, double* cost);
-  /// The cost alone. NaN-free: an edge without a value is a status.
-  Status Cost(const Structure& structure, const Graph& graph, ThreadPool* threads, double* cost);
+  /// The cost alone, after Linearize. NaN-free: an edge without a value is a failure.
+  StepFailure Cost(const Structure& structure, const Graph& graph, ThreadPool* threads, double* cost);
 
   /// Eliminates the landmarks: the reduced system S dx_p = b_s with the damping in it. Fails on a
   /// landmark block that is not positive definite, and names it.
-  Status Eliminate(const Structure& structure, const Graph& graph, const DampingTerm& damping,
-                   ThreadPool* threads);
+  StepFailure Eliminate(const Structure& structure, const Graph& graph, const DampingTerm& damping,
+                        ThreadPool* threads);
   [[nodiscard]] ReducedSystem reduced() const;
   /// Solves the reduced system and substitutes back; Step() then holds dx.
-  Status Solve(const Structure& structure, const Graph& graph, LinearSolver* solver,
-               ThreadPool* threads, LinearSolverResult* result);
+  StepFailure Solve(const Structure& structure, const Graph& graph, LinearSolver* solver,
+                    ThreadPool* threads, LinearSolverResult* result);
 
   /// dx of all free variables: pose blocks, then landmarks.
   [[nodiscard]] const std::vector<double>& step() const { return step_; }
@@ -90,7 +104,7 @@ class NormalEquations {
   void ScatterPoseBlocks(const Structure& structure, const DampingTerm& damping);
   void ReduceChunks(int num_chunks, ThreadPool* threads);
 
-  Status CheckCosts(const Structure& structure, const Graph& graph, double* cost) const;
+  StepFailure CheckCosts(const Structure& structure, const Graph& graph, double* cost) const;
 
   struct Chunk {
     double cost = 0.0;

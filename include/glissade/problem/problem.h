@@ -32,6 +32,8 @@ class Problem : public Graph {
   [[nodiscard]] Problem Clone() const { return Problem(Graph::Clone()); }
 
   // --- The course's step API: for teaching and tests --------------------------------------------
+  // Steps in the wrong order are refused, and so are steps after a change of structure, which makes
+  // what was computed void.
   /// Linearizes at the present values: H = J'J, b = -J'r over all free variables.
   Status MakeHessian();
   /// Solves (H + lambda D) dx = b by eliminating landmarks; D as in options.
@@ -53,7 +55,7 @@ class Problem : public Graph {
     if (b.size() > 0) FillRhs(b.data());
     return b;
   }
-  /// dx of the last SolveLinearSystem(); same order.
+  /// dx of the last SolveLinearSystem(); same order. Zero where there is none.
   [[nodiscard]] Eigen::VectorXd Step() const {
     Eigen::VectorXd dx(DenseSize());
     if (dx.size() > 0) FillStep(dx.data());
