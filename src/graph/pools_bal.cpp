@@ -9,5 +9,6 @@ template class VertexPool<VertexPose>;
 template class VertexPool<VertexInverseDepth>;
 template class VertexPool<VertexPointXYZ>;
 template class VertexPool<VertexCameraBal>;
+template class VertexPool<VertexSpeedBias>;
 
 }  // namespace glissade

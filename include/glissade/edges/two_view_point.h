@@ -18,7 +18,10 @@ namespace glissade::internal {
 /// An inverse-depth landmark of host frame i, seen from the camera of target frame j. Everything is
 /// multiplied through by rho, so that it exists for points at infinity (rho = 0) too; a projection
 /// does not see the factor.
-struct TwoViewPoint {
+/// A template only so that a translation unit that does not evaluate such edges does not compile
+/// it.
+template <int = 0>
+struct TwoViewPointOf {
   double rho;
   Matrix3 R_w_i, R_w_j, R_bi_c, R_bj_c;
   Vector3 bearing;  ///< (x/z, y/z, 1), host camera
@@ -28,8 +31,8 @@ struct TwoViewPoint {
   Vector3 t_bi_c, t_bj_c;
 
   /// T_bi_c, T_bj_c: extrinsics (camera to body) of the host's and the target's camera.
-  TwoViewPoint(const Pose& T_w_i, const Pose& T_w_j, double inverse_depth, const Vector2& uv_host,
-               const Pose& T_bi_c, const Pose& T_bj_c)
+  TwoViewPointOf(const Pose& T_w_i, const Pose& T_w_j, double inverse_depth, const Vector2& uv_host,
+                 const Pose& T_bi_c, const Pose& T_bj_c)
       : rho(inverse_depth),
         R_w_i(T_w_i.R()),
         R_w_j(T_w_j.R()),
@@ -45,6 +48,8 @@ struct TwoViewPoint {
   }
 };
 
+using TwoViewPoint = TwoViewPointOf<>;
+
 /// uv of the direction rho * p_c / rho; false where there is none or where it is not finite.
 template <CameraModel Camera>
 bool ProjectScaled(const Camera& camera, const Vector3& scaled, double rho, Vector2& uv,
@@ -57,14 +62,16 @@ bool ProjectScaled(const Camera& camera, const Vector3& scaled, double rho, Vect
 
 /// The chain rule from d uv / d(rho p_c) to the tangents, by rows: one cross product each instead
 /// of a product with a 3x3 matrix.
-struct TwoViewDerivatives {
+template <int = 0>
+struct TwoViewDerivativesOf {
   const TwoViewPoint& point;
   const Matrix<2, 3>& d_c;  ///< d r / d(rho * point in the target camera)
   Matrix<2, 3> d_bj;        ///< d r / d(... in body j)
   Matrix<2, 3> d_w;         ///< d r / d(... in world axes)
   Matrix<2, 3> d_bi;        ///< d r / d(... in body i)
 
-  TwoViewDerivatives(const TwoViewPoint& p, const Matrix<2, 3>& d_r_d_c) : point(p), d_c(d_r_d_c) {
+  TwoViewDerivativesOf(const TwoViewPoint& p, const Matrix<2, 3>& d_r_d_c)
+      : point(p), d_c(d_r_d_c) {
     d_bj.noalias() = d_c * p.R_bj_c.transpose();
     d_w.noalias() = d_bj * p.R_w_j.transpose();
     d_bi.noalias() = d_w * p.R_w_i;
@@ -107,6 +114,8 @@ struct TwoViewDerivatives {
     d_r_d_uv_host.noalias() = d_bi * point.R_bi_c.leftCols<2>();
   }
 };
+
+using TwoViewDerivatives = TwoViewDerivativesOf<>;
 
 /// Depth as the inverse-depth edges report it: z in the target camera, or, for a landmark that lies
 /// behind its host (rho < 0), the smaller of that and the depth 1/rho in the host. Positive exactly

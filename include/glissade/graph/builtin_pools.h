@@ -7,12 +7,15 @@
 /// consumer's translation unit from compiling them again.
 
 #include "glissade/edges/bal.h"
+#include "glissade/edges/imu.h"
 #include "glissade/edges/pose_prior_vec.h"
 #include "glissade/edges/relative_pose.h"
 #include "glissade/edges/reprojection.h"
 #include "glissade/edges/reprojection_extrinsic.h"
 #include "glissade/edges/reprojection_xyz.h"
 #include "glissade/edges/se3_prior.h"
+#include "glissade/edges/speed_bias_prior.h"
+#include "glissade/graph/builtin_vertices.h"
 #include "glissade/graph/edge_pool.h"
 
 namespace glissade {
@@ -24,10 +27,7 @@ extern template class EdgePool<EdgeSE3Prior>;
 extern template class EdgePool<EdgePosePriorVec>;
 extern template class EdgePool<EdgeRelativePose>;
 extern template class EdgePool<EdgeBal>;
-
-extern template class VertexPool<VertexPose>;
-extern template class VertexPool<VertexInverseDepth>;
-extern template class VertexPool<VertexPointXYZ>;
-extern template class VertexPool<VertexCameraBal>;
+extern template class EdgePool<EdgeImu>;
+extern template class EdgePool<EdgeSpeedBiasPrior>;
 
 }  // namespace glissade

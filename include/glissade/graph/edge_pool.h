@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -13,6 +14,7 @@
 #include "glissade/graph/edge_options.h"
 #include "glissade/graph/edge_pool_base.h"
 #include "glissade/graph/robust.h"
+#include "glissade/graph/small_blocks.h"
 
 namespace glissade {
 
@@ -99,31 +101,34 @@ class EdgePool final : public EdgePoolBase {
       const bool ok = At(edge).Evaluate(
           internal::VertexFromData<EdgeVertex<E, I>>(states[I])..., r,
           (jacobians != nullptr && jacobians[I] != nullptr ? &std::get<I>(J) : nullptr)...);
-      if (!ok || !r.allFinite()) return false;
-      bool finite = true;
-      Eigen::Map<Vector<kRows>>(residual).operator=(r);
-      const auto copy = [&](const auto& block, double* out) {
-        finite = finite && block.allFinite();
-        std::copy_n(block.data(), block.size(), out);
+      double poison = internal::Poison<kRows>(r.data());
+      if (!ok || poison != 0.0) return false;
+      std::copy_n(r.data(), kRows, residual);
+      const auto copy = [&]<int kSize>(std::integral_constant<int, kSize>, const double* block,
+                                       double* out) {
+        poison += internal::Poison<kSize>(block);
+        std::copy_n(block, kSize, out);
       };
       if (jacobians != nullptr) {
-        ((jacobians[I] != nullptr ? copy(std::get<I>(J), jacobians[I]) : void()), ...);
+        ((jacobians[I] != nullptr
+              ? copy(std::integral_constant<int, kRows * EdgeVertex<E, I>::kTangentDim>{},
+                     std::get<I>(J).data(), jacobians[I])
+              : void()),
+         ...);
       }
-      return finite;
+      return poison == 0.0;
     }
     (std::make_index_sequence<kArity>{});
   }
 
   void Whiten(int edge, double* residual, double* const* jacobians) const override {
     if (identity_[Index(edge)] != 0) return;
-    const SqrtInformation& L = sqrt_information_[Index(edge)];
-    Eigen::Map<Vector<kRows>> r(residual);
-    r = (L * r).eval();
+    const double* L = sqrt_information(edge);
+    internal::MultiplyInPlace<kRows, 1>(L, residual);
     if (jacobians == nullptr) return;
     ForEachIndex<kArity>([&](auto i) {
       if (jacobians[i] == nullptr) return;
-      Eigen::Map<Jacobian<kRows, EdgeVertex<E, i>::kTangentDim>> J(jacobians[i]);
-      J = (L * J).eval();
+      internal::MultiplyInPlace<kRows, EdgeVertex<E, i>::kTangentDim>(L, jacobians[i]);
     });
   }
 
@@ -258,16 +263,16 @@ class EdgePool final : public EdgePoolBase {
     return edge.Evaluate(vertex..., r, static_cast<Jacobian<kRows, V::kTangentDim>*>(nullptr)...);
   }
 
-  double WhitenedSquaredNorm(int edge, const Vector<kRows>& r) const {
-    if (identity_[Index(edge)] != 0) return r.squaredNorm();
-    return (sqrt_information_[Index(edge)] * r).squaredNorm();
+  double WhitenedSquaredNorm(int edge, Vector<kRows> r) const {
+    if (identity_[Index(edge)] == 0) {
+      internal::MultiplyInPlace<kRows, 1>(sqrt_information(edge), r.data());
+    }
+    return internal::SquaredNorm<kRows>(r.data());
   }
 
   bool LinearizeOne(const std::int32_t* words, NormalEquationsSink* sink) const;
-  static void Accumulate(const std::int32_t* words, const Vector<kRows>& r,
-                         const Jacobians& jacobians, NormalEquationsSink* sink);
   template <int I>
-  static void AccumulateVertex(const std::int32_t* words, const Vector<kRows>& r,
+  static void AccumulateVertex(const std::int32_t* words, const double* r,
                                const Jacobians& jacobians, NormalEquationsSink* sink);
   template <int I, int J>
   static void AccumulatePair(const std::int32_t* words, const Jacobians& jacobians,

@@ -34,4 +34,19 @@ struct RobustScale {
   }
 };
 
+/// J (R x C, row-major) <- the corrected Jacobian; r is not yet scaled.
+template <int R, int C>
+void CorrectJacobian(const RobustScale& scale, const double* r, double* J) {
+  for (int c = 0; c < C; ++c) {
+    double projection = 0.0;
+    if (scale.alpha_over_s != 0.0) {
+      for (int k = 0; k < R; ++k)
+        projection += r[k] * J[k * C + c];
+    }
+    for (int k = 0; k < R; ++k) {
+      J[k * C + c] = scale.jacobian_scale * (J[k * C + c] - scale.alpha_over_s * projection * r[k]);
+    }
+  }
+}
+
 }  // namespace glissade::internal

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "glissade/graph/builtin_vertices.h"
 #include "glissade/graph/graph.h"
 #include "glissade/minimizer/options.h"
 #include "glissade/minimizer/summary.h"
