@@ -21,8 +21,8 @@ std::size_t Index(int i) {
   return static_cast<std::size_t>(i);
 }
 
-/// What is kept from one analysis to the next (a symbolic factorization, say) is told by this number
-/// whether it still holds, also where it has served another problem in between.
+/// What is kept from one analysis to the next (a symbolic factorization, say) is told by this
+/// number whether it still holds, also where it has served another problem in between.
 std::uint64_t NewAnalysis() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;

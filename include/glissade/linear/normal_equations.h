@@ -53,7 +53,8 @@ class NormalEquations {
   /// H, b and the cost at the graph's present values. On failure names the edge that has no value.
   Status Linearize(const Structure& structure, Graph* graph, ThreadPool* threads, double* cost);
   /// The cost alone, after Linearize. NaN-free: an edge without a value is a failure.
-  StepFailure Cost(const Structure& structure, const Graph& graph, ThreadPool* threads, double* cost);
+  StepFailure Cost(const Structure& structure, const Graph& graph, ThreadPool* threads,
+                   double* cost);
 
   /// Eliminates the landmarks: the reduced system S dx_p = b_s with the damping in it. Fails on a
   /// landmark block that is not positive definite, and names it.
