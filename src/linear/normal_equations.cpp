@@ -143,6 +143,7 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
   }
   reprojections_->Pack(structure, *graph);
   reprojections_->Update(structure, *graph);
+  reprojections_->UpdateMaps(structure, *graph);
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int chunk) { LinearizeChunk(structure, *graph, chunk); });
   if (const StepFailure failure = CheckCosts(structure, *graph, cost); !failure.ok()) {

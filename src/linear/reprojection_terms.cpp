@@ -154,6 +154,11 @@ void ReprojectionTerms::Update(const Structure& structure, const Graph& graph) {
     const std::int32_t landmark = plan.landmark_of_lane[lane];
     if (landmark >= 0) rho_[lane] = depths.At(landmark).rho;
   }
+}
+
+void ReprojectionTerms::UpdateMaps(const Structure& structure, const Graph& graph) {
+  if (structure.reprojections().empty()) return;
+  const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
   for (std::size_t k = 0; k < maps_.size(); ++k) {
     const PoseBlock& block = structure.poses()[k];
     if (block.pool != poses.id()) continue;

@@ -22,8 +22,11 @@ class ReprojectionTerms {
   /// Measurements, weights and losses as arrays; once per analysis, and where weights changed.
   void Pack(const Structure& structure, const Graph& graph);
 
-  /// Cameras, inverse depths and T at the graph's present values.
+  /// Cameras and inverse depths at the graph's present values.
   void Update(const Structure& structure, const Graph& graph);
+  /// T at the same values, for Linearize. Not for Cost: after a rejected step what is eliminated
+  /// once more is still the old linearization.
+  void UpdateMaps(const Structure& structure, const Graph& graph);
   /// Adds a chunk's part of H_pp and b_p; h and b_l of its lanes are kept here.
   double Linearize(const Structure& structure, int chunk, double* h_pp, double* b_p);
   double Cost(const Structure& structure, int chunk);
