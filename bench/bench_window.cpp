@@ -7,6 +7,7 @@
 //   bench_window --converge [--imu] FILE...       time to reach 1e-6 of the reference optimum
 //   bench_window --jitter N [--imu] FILE          one window, N times
 //   bench_window --once [--imu] [--rounds N] FILE one window, glissade alone: for callgrind
+//   bench_window --trace [--imu] FILE             cost and damping step by step, side by side
 // --cpu-time measures CPU time instead of wall clock: for a machine with other work on it.
 // GLISSADE_ISA=baseline|avx2|avx512 chooses glissade's kernels.
 #include <algorithm>
@@ -39,6 +40,7 @@ struct Options {
   int rounds = 5;
   int jitter = 0;
   bool once = false;
+  bool trace = false;
   bool converge = false;
 };
 
@@ -303,6 +305,29 @@ void Jitter(const std::string& file, const ViowinWindow& window, const Options& 
   std::fflush(stdout);
 }
 
+/// Cost and damping step by step, side by side: where the two part.
+void Trace(const ViowinWindow& window, const Options& o) {
+  ceres::Solver::Summary theirs;
+  CeresWindow ceres_window(window, o.kind);
+  ceres_window.Make();
+  ceres::Solver::Options ceres_options = CeresWindow::Options(kSteps);
+  ceres_options.linear_solver_ordering = ceres_window.Ordering();
+  ceres::Solve(ceres_options, ceres_window.problem(), &theirs);
+  GlissadeWindow ours(window, o.kind);
+  const SolveSummary& summary = ours.problem.Solve(CeresStyle(kSteps));
+  std::printf("window %lld: tried decrease, gain ratio, lambda, accepted\n",
+              static_cast<long long>(window.id));
+  const std::size_t n = std::min(theirs.iterations.size(), summary.iterations.size());
+  for (std::size_t k = 0; k < n; ++k) {
+    const ceres::IterationSummary& a = theirs.iterations[k];
+    const IterationSummary& b = summary.iterations[k];
+    std::printf("  %zu  %.12g %.4e %.6f %.3e %d | %.12g %.4e %.6f %.3e %d\n", k, a.cost,
+                a.cost_change, a.relative_decrease, 1.0 / a.trust_region_radius,
+                a.step_is_successful ? 1 : 0, b.cost, b.cost_change, b.gain_ratio, b.lambda,
+                b.accepted ? 1 : 0);
+  }
+}
+
 int Usage(const char* why) {
   std::fprintf(
       stderr,
@@ -327,6 +352,8 @@ int main(int argc, char** argv) {
       if ((o.rounds = number()) < 1) return Usage("--rounds: a number from 1 on");
     } else if (arg == "--jitter") {
       if ((o.jitter = number()) < 1) return Usage("--jitter: a number from 1 on");
+    } else if (arg == "--trace") {
+      o.trace = true;
     } else if (arg == "--once") {
       o.once = true;
     } else if (arg == "--converge") {
@@ -344,7 +371,10 @@ int main(int argc, char** argv) {
     for (const ViowinWindow& window : *windows) {
       if (!window.marginal_priors.empty()) return Usage("marginal priors are not compared");
     }
-    if (o.once) {
+    if (o.trace) {
+      for (const ViowinWindow& window : *windows)
+        Trace(window, o);
+    } else if (o.once) {
       GlissadeWindow window(windows->front(), o.kind);
       for (int round = 0; round < o.rounds; ++round)
         std::printf("%.10g\n", window.Solve(CeresStyle(kSteps)).cost);
