@@ -134,6 +134,20 @@ Status MakeSolveOptions(const Options& o, SolveOptions* solve, Loss* loss) {
                           app::CheckWritable("--json", o.json)});
 }
 
+/// Why a solve failed, in the words of the file.
+std::string Failure(const SolveSummary& summary, const BalHandles& handles) {
+  const Status& status = summary.status;
+  if (status.code() != StatusCode::kDuplicate) return status.message();
+  const auto index = [&](AnyEdge edge) {
+    std::size_t k = 0;
+    while (k < handles.edges.size() && AnyEdge(handles.edges[k]) != edge)
+      ++k;
+    return k;
+  };
+  return fmt::format("observations {} and {} (from 0) are of the same point by the same camera",
+                     index(status.edge()), index(status.other_edge()));
+}
+
 double PeakMemoryMb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -206,7 +220,7 @@ int Run(const Options& o) {
   };
   const SolveSummary& summary = problem.Solve(solve);
   if (!summary.ok()) {
-    return app::Refuse(kName, fmt::format("{}: {}", o.file, summary.status.message()));
+    return app::Refuse(kName, fmt::format("{}: {}", o.file, Failure(summary, *handles)));
   }
   const double peak_rss_mb = PeakMemoryMb();
   fmt::print("{}\n", summary.BriefReport());

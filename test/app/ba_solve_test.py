@@ -208,7 +208,7 @@ class BaSolve(AppTest):
         text = make_bal(num_points=10)[0]
         lines = text.splitlines()
         twice = self.write("twice.txt", "\n".join([lines[0], lines[2], *lines[2:]]) + "\n")
-        self.check_refused(twice, "--json", "a.json", says="twice.txt: ")
+        self.check_refused(twice, "--json", "a.json", says="observations 0 and 1 ")
 
     def test_help(self):
         self.check_help("FILE", "--linear-solver", "--iterations", "--threads", "--loss",
