@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Nothing is allocated from the second iteration on, in a re-solve, and in the steady state of a
+// sliding window. Counted in malloc and its relatives, on all threads.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <vector>
+
+#include "glissade/glissade.h"
+#include "regression/malloc_count.h"
+
+namespace glissade {
+namespace {
+
+/// A camera that moves along x past points at depth 5, one frame after the other.
+class Window {
+ public:
+  explicit Window(bool robust) : robust_(robust) {}
+
+  Status AddFrame() {
+    const Pose truth(Quaternion::Identity(), Vector3(0.2 * frame_, 0.0, 0.0));
+    Pose start = truth;
+    start.data[1] += 0.01 * std::sin(frame_);
+    frames_.push_back(problem.AddVertex(VertexPose{start}).value());
+    if (frames_.size() == 1) {
+      if (Status status = problem.SetFixed(frames_.front()); !status.ok()) return status;
+    }
+    EdgeOptions<EdgeRelativePose> motion;
+    motion.sqrt_information = SquareMatrix<6>(50.0 * SquareMatrix<6>::Identity());
+    if (frames_.size() > 1) {
+      const Pose step(Quaternion::Identity(), Vector3(0.2, 0.0, 0.0));
+      const auto edge = problem.AddEdge(EdgeRelativePose{step},
+                                        {frames_[frames_.size() - 2], frames_.back()}, motion);
+      if (!edge.ok()) return edge.status();
+    }
+    // Points that the frame before hosts are seen from here.
+    EdgeOptions<EdgeReprojection> options;
+    options.sqrt_information = Matrix2(400.0 * Matrix2::Identity());
+    if (robust_) options.loss = Cauchy{2.0};  // takes the general path
+    for (int k = 0; frames_.size() > 1 && k < 12; ++k) {
+      const auto depth = problem.AddVertex(VertexInverseDepth{0.2 + 0.002 * k});
+      EdgeReprojection edge;
+      edge.uv_host = Vector2(0.05 * k - 0.3, 0.03 * (k % 5));
+      edge.uv_target = edge.uv_host - Vector2(0.04, 0.001 * std::cos(k + frame_));
+      const auto added =
+          problem.AddEdge(edge, {frames_[frames_.size() - 2], frames_.back(), depth}, options);
+      if (!added.ok()) return added.status();
+      landmarks_.push_back(depth.value());
+    }
+    ++frame_;
+    return {};
+  }
+
+  Status RemoveOldest() {
+    for (int k = 0; k < 12; ++k) {
+      if (Status status = problem.RemoveVertex(landmarks_[static_cast<std::size_t>(k)]);
+          !status.ok()) {
+        return status;
+      }
+    }
+    landmarks_.erase(landmarks_.begin(), landmarks_.begin() + 12);
+    if (Status status = problem.RemoveVertex(frames_.front()); !status.ok()) return status;
+    frames_.erase(frames_.begin());
+    return problem.SetFixed(frames_.front());
+  }
+
+  Problem problem;
+
+ private:
+  bool robust_;
+  int frame_ = 0;
+  std::vector<VertexHandle<VertexPose>> frames_;
+  std::vector<VertexHandle<VertexInverseDepth>> landmarks_;
+};
+
+class NoAllocation : public ::testing::TestWithParam<std::tuple<bool, int>> {
+ protected:
+  void SetUp() override {
+    if (test::MallocCount() < 0) GTEST_SKIP() << "allocations cannot be counted in this build";
+    options_.max_iterations = 5;
+    options_.cost_tolerance = options_.gradient_tolerance = options_.step_tolerance = 0.0;
+    options_.num_threads = std::get<1>(GetParam());
+  }
+  [[nodiscard]] bool robust() const { return std::get<0>(GetParam()); }
+
+  SolveOptions options_;
+};
+
+TEST_P(NoAllocation, CountsAtAll) {
+  const std::int64_t before = test::MallocCount();
+  std::vector<double>* v = new std::vector<double>(100);
+  EXPECT_GE(test::MallocCount() - before, 2);
+  delete v;
+}
+
+TEST_P(NoAllocation, FromTheSecondIterationOn) {
+  Window window(robust());
+  for (int k = 0; k < 10; ++k)
+    ASSERT_TRUE(window.AddFrame().ok());
+  std::int64_t after_first = 0, last = 0;
+  options_.callback = [&](const IterationSummary& iteration) {
+    last = test::MallocCount();
+    if (iteration.iteration == 1) after_first = last;
+    return CallbackAction::kContinue;
+  };
+  const SolveSummary& summary = window.problem.Solve(options_);
+  ASSERT_GE(summary.accepted_steps, 3) << summary.BriefReport();
+  EXPECT_EQ(last - after_first, 0);
+}
+
+TEST_P(NoAllocation, InAReSolve) {
+  Window window(robust());
+  for (int k = 0; k < 10; ++k)
+    ASSERT_TRUE(window.AddFrame().ok());
+  const Snapshot start = window.problem.GetSnapshot();
+  window.problem.Solve(options_);
+  ASSERT_TRUE(window.problem.RestoreSnapshot(start).ok());
+  const std::int64_t before = test::MallocCount();
+  const SolveSummary& summary = window.problem.Solve(options_);
+  EXPECT_EQ(test::MallocCount() - before, 0);
+  EXPECT_GE(summary.accepted_steps, 3);
+}
+
+TEST_P(NoAllocation, InASlidingWindow) {
+  Window window(robust());
+  for (int k = 0; k < 10; ++k)
+    ASSERT_TRUE(window.AddFrame().ok());
+  std::int64_t settled = 0;
+  for (int turn = 0; turn < 1000; ++turn) {
+    if (turn == 50) settled = test::MallocCount();
+    ASSERT_TRUE(window.AddFrame().ok());
+    ASSERT_TRUE(window.problem.Solve(options_).ok());
+    ASSERT_TRUE(window.RemoveOldest().ok());
+  }
+  EXPECT_EQ(test::MallocCount() - settled, 0);
+  EXPECT_EQ(window.problem.NumVertices<VertexPose>(), 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(PathsAndThreads, NoAllocation,
+                         ::testing::Combine(::testing::Bool(), ::testing::Values(1, 2)));
+
+}  // namespace
+}  // namespace glissade
