@@ -35,6 +35,9 @@ constexpr const char* kFooter =
   spread        largest minus smallest pose error of the trials: 0 when all converge to one place
   iterations    linear solves, median of the trials
   converged     trials that ended by a rule of convergence
+With --verbose, for the first trial, after each accepted step:
+  reprojection  RMS over the observations (normalized image plane)
+  prior err.    RMS over the first two poses of their distance from the priors (m, rad)
 
 Weight 0 has no errors of its own: a free solution ends anywhere on its 7-dimensional gauge orbit.
 Its errors are what remains after the similarity transformation that takes the three camera
@@ -62,6 +65,7 @@ struct Options {
   int iterations = 500;
   std::string lm = "default";
   bool course_stop = false;
+  bool verbose = false;
   std::string scene;
   std::string csv;
   std::string json;
@@ -86,6 +90,7 @@ void AddOptions(CLI::App& app, Options& o) {
       ->type_name("N");
   app.add_option("--scene", o.scene, "Use the scene of FILE, not the built-in one")
       ->type_name("FILE");
+  app.add_flag("--verbose", o.verbose, "Print prior and reprojection error of every step, too");
   app.add_option("--csv", o.csv, "Write one line per weight and trial to FILE")->type_name("FILE");
   app.add_option("--json", o.json, "Write everything, with the iterations, to FILE")
       ->type_name("FILE");
@@ -171,6 +176,19 @@ void PrintTable(const std::vector<app::SweepRow>& rows) {
   }
 }
 
+/// The way of the first trial of every weight.
+void PrintPaths(const std::vector<app::SweepRow>& rows) {
+  fmt::print("\n{:>8} {:>9} {:>14} {:>18} {:>16} {:>18}\n", "weight", "iteration", "cost",
+             "reprojection [RMS]", "prior err. [m]", "prior err. [rad]");
+  for (const app::SweepRow& row : rows) {
+    for (const app::SweepStep& step : row.trials[0].steps) {
+      fmt::print("{:>8} {:>9} {:>14.6e} {:>18.6e} {:>16.6e} {:>18.6e}\n", WeightName(row),
+                 step.iteration, step.cost, step.reprojection_error, step.prior_position_error,
+                 step.prior_rotation_error);
+    }
+  }
+}
+
 std::string ToCsv(const std::vector<app::SweepRow>& rows) {
   std::string text = "weight,trial,pose_error,point_error,iterations,time_ms,status,converged\n";
   for (const app::SweepRow& row : rows) {
@@ -238,6 +256,7 @@ int Run(const Options& o) {
   if (!rows.ok()) return app::Refuse(kName, rows.status().message());
 
   PrintTable(*rows);
+  if (o.verbose) PrintPaths(*rows);
   const auto write = [](const std::string& path, const std::string& text) {
     return path.empty() ? Status() : app::WriteFile(path, text);
   };

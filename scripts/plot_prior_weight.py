@@ -115,7 +115,7 @@ def style(ax, ylabel, log_y=False):
 
 def plot_accuracy(plt, sweeps, path):
     fig, axes = plt.subplots(3, 1, figsize=(7.4, 8.6), sharex=True, layout="constrained",
-                             height_ratios=(1.25, 1, 1))
+                             gridspec_kw={"height_ratios": (1.25, 1, 1)})
     colors = (BLUE, RED, GREEN)
     fixed = one_row(sweeps[0], "fixed")
     quantities = (("pose_error", 1e3, "pose error [mm]"), ("point_error", 1e3, "point error [1/km]"))

@@ -101,6 +101,9 @@ class PriorWeightSweep(AppTest):
         lines = out.splitlines()
         self.assertEqual([line.split()[0] for line in lines], ["weight", "10", "1000", "fixed"])
         self.assertIn("0.00662678", lines[2])
+        verbose = self.run_ok("--weights", "1e3", "--verbose").splitlines()
+        self.assertIn("reprojection", verbose[4])
+        self.assertEqual(verbose[5].split()[:3], ["1000", "0", "2.675495e+00"])
 
     def test_refuses(self):
         for args, says in (
