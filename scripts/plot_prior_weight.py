@@ -155,7 +155,8 @@ def plot_time(plt, sweep, path):
         style(ax, label)
         ax.set_ylim(bottom=0)
     axes[0].set_title("Cost of a solve against the weight of the prior")
-    axes[0].legend(loc="lower right", fontsize=9)
+    axes[0].set_ylim(top=1.6 * axes[0].get_ylim()[1])  # room for the legend over a flat curve
+    axes[0].legend(loc="best", fontsize=9)
     axes[1].set_xlabel("prior weight [1/m$^2$, 1/rad$^2$]")
     fig.savefig(path, dpi=100)
     plt.close(fig)
