@@ -16,6 +16,12 @@ using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 using MatrixMap = Eigen::Map<RowMajorMatrix>;
 using VectorMap = Eigen::Map<Eigen::VectorXd>;
 
+/// Record of the edge's free landmark, null if it has none (no pointer may be made from kNone).
+double* LandmarkRecord(const std::int32_t* words, const NormalEquationsSink& sink) {
+  const std::int32_t offset = words[plan::kLandmarkRecord];
+  return offset == plan::kNone ? nullptr : sink.landmarks + offset;
+}
+
 }  // namespace
 
 EdgeHandle<DynamicEdge> DynamicEdgePool::Add(std::unique_ptr<DynamicEdge> edge,
@@ -119,7 +125,7 @@ void DynamicEdgePool::Add(const Entry& item, const std::int32_t* words, const do
   const auto dim = [&](int i) {
     return item.vertices[static_cast<std::size_t>(i)].pool->ops().tangent_dim;
   };
-  double* const record = sink->landmarks + words[plan::kLandmarkRecord];
+  double* const record = LandmarkRecord(words, *sink);
   int row = 0;
   for (int i = 0; i < arity; row += dim(i), ++i) {
     const std::int32_t target = words[plan::Target(arity, i)];
@@ -207,7 +213,7 @@ bool DynamicEdgePool::LinearizeGeneral(const Entry& item, const Loss& loss,
   r *= scale.residual_scale;
   sink->cost += scale.cost;
 
-  double* const record = sink->landmarks + words[plan::kLandmarkRecord];
+  double* const record = LandmarkRecord(words, *sink);
   for (int i = 0; i < arity; ++i) {
     const std::int32_t target = words[plan::Target(arity, i)];
     if (target == plan::kNone) continue;
