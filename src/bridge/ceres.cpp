@@ -3,6 +3,7 @@
 #include "glissade/bridge/ceres.h"
 
 #include <ceres/crs_matrix.h>
+#include <ceres/manifold.h>
 #include <ceres/ordered_groups.h>
 
 #include <algorithm>
@@ -81,6 +82,8 @@ void CeresProblem::Impl::AddParameterBlocks() {
     std::unique_ptr<ceres::Manifold> manifold;
     if (vertex.fix == Fix::kPosition) {
       manifold = std::make_unique<RotationOnlyManifold>();
+    } else if (vertex.fix == Fix::kBiases) {
+      manifold = std::make_unique<ceres::SubsetManifold>(9, std::vector<int>{3, 4, 5, 6, 7, 8});
     } else if (!vertex.in_chart) {
       manifold = MakeManifold(*vertex.ops);
     }

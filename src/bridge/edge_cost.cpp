@@ -24,10 +24,12 @@ int ExportedVertex::free_dim() const {
     case Fix::kWhole:
       return 0;
     case Fix::kPosition:
+    case Fix::kBiases:
       return 3;
     case Fix::kPositionAndYaw:
       return 2;
     case Fix::kFree:
+    case Fix::kCoordinate:  // only while a solve is under way
       break;
   }
   return ops->tangent_dim;

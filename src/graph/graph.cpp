@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "glissade/vertices/pose.h"
+#include "glissade/vertices/speed_bias.h"
 
 namespace glissade {
 
@@ -65,6 +66,8 @@ Graph& Graph::operator=(Graph&& other) noexcept {
   edge_pools_ = std::exchange(other.edge_pools_, {});
   free_tangents_ = std::exchange(other.free_tangents_, {});
   saved_free_tangents_ = std::exchange(other.saved_free_tangents_, {});
+  hold_ = std::exchange(other.hold_, {});
+  gauge_references_ = std::exchange(other.gauge_references_, {});
   structure_version_ = other.structure_version_;
   weights_version_ = other.weights_version_;
   identity_ = std::exchange(other.identity_, NewIdentity());
@@ -168,6 +171,7 @@ Status Graph::RemoveVertex(AnyVertex vertex) {
   const VertexSite site = Locate(vertex);
   if (site.pool == nullptr) return UnknownVertex(vertex);
   DropFreeTangent(vertex);
+  DropGaugeReference(vertex);
   // Connected edges are dead from here on (EdgePoolBase::Alive) and go at the next Compact().
   site.pool->Remove(vertex.slot);
   StructureChanged();
@@ -187,25 +191,33 @@ void Graph::DropFreeTangent(AnyVertex vertex) {
 }
 
 void Graph::Reanchor(AnyVertex vertex) {
+  DropGaugeReference(vertex);
   for (FreeTangent& tangent : free_tangents_) {
     if (tangent.vertex != vertex) continue;
     const VertexSite site = Locate(vertex);
-    tangent = FreeTangent::ForPose(vertex, tangent.fix, site.pool->Data(site.index));
+    tangent = FreeTangent::At(vertex, tangent.fix, site.pool->Data(site.index));
   }
 }
 
 Status Graph::SetFixed(AnyVertex vertex, Fix fix) {
   const VertexSite site = Locate(vertex);
   if (site.pool == nullptr) return UnknownVertex(vertex);
-  const bool partial = fix == Fix::kPosition || fix == Fix::kPositionAndYaw;
-  if (partial && vertex.type != &kTypeInfo<VertexPose>) {
+  const bool partial = fix != Fix::kFree && fix != Fix::kWhole;
+  if (fix == Fix::kCoordinate) {
+    return {StatusCode::kInvalidArgument, "SetFixed: kCoordinate is for gauges", vertex};
+  }
+  if (fix == Fix::kBiases && vertex.type != &kTypeInfo<VertexSpeedBias>) {
+    return {StatusCode::kInvalidArgument,
+            "SetFixed: only a VertexSpeedBias has biases, not " + ToString(vertex), vertex};
+  }
+  if (partial && fix != Fix::kBiases && vertex.type != &kTypeInfo<VertexPose>) {
     return {StatusCode::kInvalidArgument,
             "SetFixed: only a VertexPose can be fixed in part, not " + ToString(vertex), vertex};
   }
   if (site.pool->fix(site.index) == fix && !partial) return {};
   DropFreeTangent(vertex);
   if (partial) {
-    free_tangents_.push_back(FreeTangent::ForPose(vertex, fix, site.pool->Data(site.index)));
+    free_tangents_.push_back(FreeTangent::At(vertex, fix, site.pool->Data(site.index)));
   }
   site.pool->set_fix(site.index, fix);
   StructureChanged();
@@ -292,6 +304,7 @@ Graph Graph::Clone() const {
     copy.edge_pools_.push_back(pool->Clone(copy.vertex_pools_));
   }
   copy.free_tangents_ = free_tangents_;
+  copy.gauge_references_ = gauge_references_;
   copy.structure_version_ = structure_version_;
   return copy;
 }

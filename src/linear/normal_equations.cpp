@@ -24,16 +24,16 @@ StepFailure NoValue(const Graph& graph, int pool, int edge) {
   return failure;
 }
 
-/// x <- P'x for the part x of a vector or matrix that belongs to a partly fixed pose: E'x, then
+/// x <- P'x for the part x of a vector or matrix that belongs to a partly fixed vertex: E'x, then
 /// zeros where a coordinate is held.
 void Project(const FreeTangent& tangent, double* x, int stride) {
   double free[FreeTangent::kMaxTangentDim] = {};
   for (int c = 0; c < tangent.free_dim; ++c) {
-    for (int r = 0; r < FreeTangent::kMaxTangentDim; ++r) {
+    for (int r = 0; r < tangent.tangent_dim; ++r) {
       free[c] += tangent.basis[r * tangent.free_dim + c] * x[r * stride];
     }
   }
-  for (int k = 0; k < FreeTangent::kMaxTangentDim; ++k)
+  for (int k = 0; k < tangent.tangent_dim; ++k)
     x[k * stride] = free[k];
 }
 
@@ -137,6 +137,7 @@ StepFailure NormalEquations::CheckCosts(const Structure& structure, const Graph&
 Status NormalEquations::Linearize(const Structure& structure, Graph* graph, ThreadPool* threads,
                                   double* cost) {
   Resize(structure);
+  point_.Keep(*graph);
   for (FreeTangent& tangent : graph->free_tangents()) {
     const VertexPoolBase* pool = graph->PoolOf(tangent.vertex.type);
     tangent.UpdateBasis(pool->Data(pool->slots().IndexOf(tangent.vertex.slot)));
@@ -185,7 +186,7 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
 void NormalEquations::ProjectFreeTangents(const Structure& structure, Graph* graph) {
   if (graph->free_tangents().empty()) return;
   // P = [E 0]: edges filled full blocks; E' goes over them once per vertex, and the coordinates
-  // that are held become unit rows, so that blocks keep their size. Only poses are fixed in part.
+  // that are held become unit rows, so that blocks keep their size.
   const auto tangent_of = [&](const PoseBlock& pose) -> const FreeTangent& {
     return graph->free_tangents()[Index(pose.free_tangent)];
   };

@@ -26,7 +26,10 @@ Eigen::MatrixXd FreeBasis(const Graph& graph, const VertexPoolBase& pool, int in
       return Eigen::MatrixXd::Identity(dim, dim);
     case Fix::kPosition:
       return Eigen::MatrixXd::Identity(6, 6).rightCols(3);
+    case Fix::kBiases:
+      return Eigen::MatrixXd::Identity(9, 9).leftCols(3);
     case Fix::kPositionAndYaw:
+    case Fix::kCoordinate:
       break;
   }
   for (const FreeTangent& tangent : graph.free_tangents()) {

@@ -31,7 +31,7 @@ namespace glissade::bridge {
 /// One residual block per edge, whitened, with the edge's loss. One parameter block per vertex:
 /// - the ambient state with the vertex type's manifold (none for additive types);
 /// - Fix::kWhole: the same, constant;
-/// - Fix::kPosition: the pose with a manifold of three dimensions;
+/// - Fix::kPosition, Fix::kBiases: the vertex with a manifold of three dimensions;
 /// - Fix::kPositionAndYaw: two numbers, dphi_x and dphi_y of the chart in graph/fix.h, additive.
 /// So Ceres's tangent is glissade's free tangent, number by number.
 class CeresProblem {

@@ -14,32 +14,43 @@ enum class Fix : std::uint8_t {
   kWhole,           ///< everything; a fixed landmark leaves the system
   kPosition,        ///< position of a pose
   kPositionAndYaw,  ///< position of a pose and its rotation about world z, in the chart below
+  kBiases,          ///< both biases of a VertexSpeedBias; its velocity stays free
+  kCoordinate,      ///< one coordinate of a camera centre; for gauges (gauge/gauge.h), not SetFixed
 };
 
-/// The free tangent of a partly fixed pose: tangent = basis * d, d of free_dim numbers.
+/// The free tangent of a partly fixed vertex: tangent = basis * d, d of free_dim numbers.
 ///
-/// kPosition: basis = [0; I3].
+/// kPosition: basis = [0; I3]. kBiases: basis = [I3; 0].
 /// kPositionAndYaw: the rotation is parametrised as R = Exp(dphi) R0 with dphi_z = 0 and dphi
 /// additive (Zhang, Gallego, Scaramuzza, RA-L 2018, Eq. 9). R0 is the rotation at the time of
 /// SetFixed and stays through all solves. In the body tangent, dtheta = R0' Jr(dphi) d(dphi), so
 /// the basis depends on dphi and is refreshed before every linearization. Masking a coordinate of
 /// dtheta instead (no coordinate of which is yaw) drifts by 1e-3 to 1e-2 rad at the same cost.
+/// kCoordinate: n'(p + R l) is held, n a unit vector in the world and l the camera centre in the
+/// body; two coordinates of p and the rotation are free, and p moves along n as R turns l.
 struct FreeTangent {
-  static constexpr int kMaxTangentDim = 6;
+  static constexpr int kMaxTangentDim = 9;
 
   AnyVertex vertex;
   Fix fix = Fix::kPosition;
+  int tangent_dim = 6;
   int free_dim = 3;
-  double basis[kMaxTangentDim * kMaxTangentDim] = {};  ///< row-major, tangent_dim x free_dim
-  double q0[4] = {0, 0, 0, 1};                         ///< R0, quaternion x y z w
+  double basis[kMaxTangentDim * 5] = {};  ///< row-major, tangent_dim x free_dim
+  double q0[4] = {0, 0, 0, 1};            ///< R0, quaternion x y z w
   double dphi[3] = {0, 0, 0};
+  double normal[3] = {0, 0, 1}, lever[3] = {0, 0, 0};  ///< n and l of kCoordinate
 
-  /// Chart with R0 = the pose's present rotation (pose: p, q as in VertexPose).
-  static FreeTangent ForPose(AnyVertex vertex, Fix fix, const double* pose);
-  /// Recomputes the basis for the present dphi and pose.
-  void UpdateBasis(const double* pose);
-  /// pose <- pose moved by d (free_dim numbers), in the chart.
-  void Plus(const double* d, double* pose);
+  /// Chart at the vertex's present state; R0 = a pose's present rotation.
+  static FreeTangent At(AnyVertex vertex, Fix fix, const double* state);
+  /// kPositionAndYaw with a given R0: dphi = Log(R R0').
+  static FreeTangent InChart(AnyVertex vertex, const double* q0, const double* pose);
+  /// kCoordinate.
+  static FreeTangent OnPlane(AnyVertex vertex, const double* normal, const double* lever,
+                             const double* pose);
+  /// Recomputes the basis for the present dphi and state.
+  void UpdateBasis(const double* state);
+  /// state <- state moved by d (free_dim numbers), in the chart.
+  void Plus(const double* d, double* state);
 };
 
 }  // namespace glissade

@@ -12,6 +12,7 @@
 #include "glissade/graph/edge_options.h"
 #include "glissade/graph/edge_pool.h"
 #include "glissade/graph/fix.h"
+#include "glissade/graph/hold.h"
 #include "glissade/graph/snapshot.h"
 #include "glissade/graph/vertex_pool.h"
 
@@ -162,6 +163,17 @@ class Graph {
   /// Keeps all states / goes back to them, without allocating once sized.
   void SaveStates();
   void RestoreStates();
+  /// Holds more than SetFixed asked for, for the time of one solve (a gauge); EndHold() undoes it,
+  /// and nothing of it counts as a change of structure: as long as the same is held again and
+  /// again, one analysis serves. identity() is another one meanwhile.
+  void BeginHold(std::span<const FreeTangent> holds);
+  void EndHold();
+  [[nodiscard]] bool IsHolding() const { return hold_.active; }
+  /// Where a gauge's anchor was when it was first named; Set() and removal forget it.
+  [[nodiscard]] std::vector<GaugeReference>& gauge_references() { return gauge_references_; }
+  [[nodiscard]] const std::vector<GaugeReference>& gauge_references() const {
+    return gauge_references_;
+  }
   [[nodiscard]] VertexPoolBase* PoolOf(const TypeInfo* type) const;
   [[nodiscard]] EdgePoolBase* EdgePoolOf(const TypeInfo* type) const;
   template <VertexType V>
@@ -188,6 +200,7 @@ class Graph {
                                          std::string_view edge_name) const;
   void StructureChanged() { ++structure_version_; }
   void DropFreeTangent(AnyVertex vertex);
+  void DropGaugeReference(AnyVertex vertex);
   void Reanchor(AnyVertex vertex);
   template <VertexType V>
   Status CheckVertex(const V& value) const;
@@ -201,6 +214,8 @@ class Graph {
   VertexPools vertex_pools_;
   EdgePools edge_pools_;
   std::vector<FreeTangent> free_tangents_, saved_free_tangents_;
+  TemporaryHold hold_;
+  std::vector<GaugeReference> gauge_references_;
   std::uint64_t structure_version_ = 1;
   std::uint64_t weights_version_ = 1;
   std::uint64_t identity_;

@@ -9,6 +9,7 @@
 #include "glissade/base/status.h"
 #include "glissade/base/thread_pool.h"
 #include "glissade/linear/linear_solver.h"
+#include "glissade/linear/linearized_states.h"
 #include "glissade/structure/structure.h"
 
 namespace glissade {
@@ -89,6 +90,8 @@ class NormalEquations {
   /// diag(H), in the order of step(); 0 where a coordinate is held.
   [[nodiscard]] const std::vector<double>& diagonal() const { return diagonal_; }
 
+  /// Where the last Linearize() was.
+  [[nodiscard]] const LinearizedStates& point() const { return point_; }
   [[nodiscard]] const std::vector<double>& h_pp() const { return h_pp_[0]; }
   /// b = -gradient of all free variables, in the order of step().
   [[nodiscard]] const std::vector<double>& b() const { return b_; }
@@ -131,6 +134,7 @@ class NormalEquations {
   std::vector<double> step_;
   std::vector<double> residual_;
   std::vector<std::uint8_t> held_;
+  LinearizedStates point_;
   std::vector<std::int32_t> pose_offsets_;
   std::vector<BlockIndex> reduced_pattern_;
   std::unique_ptr<ReprojectionTerms> reprojections_;
