@@ -15,8 +15,8 @@ import sys
 # One direction only. A room may use those before it. Testing (the public checkers) comes last: it is
 # for tests and users, no room may lean on it.
 ROOMS = (
-    "base lie kernels vertices losses cameras edges graph structure linear minimizer "
-    "marginal covariance gauge problem imu window io sim bridge testing"
+    "base lie kernels vertices losses cameras edges graph structure linear gauge "
+    "minimizer marginal covariance problem imu window io sim bridge testing"
 ).split()
 
 # Headers that define types and macros only, and declarations of C functions.

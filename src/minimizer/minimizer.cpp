@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "glissade/gauge/gauge_guard.h"
 #include "glissade/vertices/inverse_depth.h"
 #include "minimizer/step_strategy.h"
 
@@ -29,6 +30,9 @@ class Minimizer {
   void Run() {
     Reset();
     if (Status status = options_.Validate(); !status.ok()) return Fail(std::move(status));
+    if (Status status = gauge_.Begin(options_.gauge, graph_); !status.ok()) {
+      return Fail(std::move(status));
+    }
     w_.threads.Resize(options_.num_threads);
     {
       const Timed timed(&summary_.time.analyze_s);
@@ -273,6 +277,7 @@ class Minimizer {
   }
 
   Graph* graph_;
+  GaugeGuard gauge_;
   SolverWorkspace& w_;
   const SolveOptions& options_;
   StepStrategy& strategy_;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "glissade/base/status.h"
+#include "glissade/gauge/gauge.h"
 #include "glissade/linear/linear_solver.h"
 #include "glissade/minimizer/summary.h"
 
@@ -73,6 +74,10 @@ struct SolveOptions {
   /// Send inverse-depth landmarks that only EdgeReprojection touches through the fused kernels.
   bool fuse_reprojections = true;
   int num_threads = 1;  ///< does not change a bit of the result
+
+  /// What holds the directions that nothing observes; the graph's own fixing is as before
+  /// afterwards. Gauge::Free: only what is fixed and what priors say.
+  Gauge gauge = {};
 
   // --- What else ------------------------------------------------------------------------------
   /// Solve refuses a graph that holds one observation twice (kDuplicate) unless this is set.
