@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/imu/preintegration.h"
+
+#include <string>
+
+#include "glissade/lie/so3.h"
+
+namespace glissade {
+
+namespace {
+
+/// One step h in the axes of its beginning: increments and their derivatives by the biases, which
+/// for a noise that is constant over the step are those by the noise.
+struct Step {
+  Vector3 phi;       // rotation vector
+  Matrix3 R, Jr;     // Exp(phi), its right Jacobian
+  Vector3 dv, dp;    // int E a dt, int (h - t) E a dt
+  Matrix3 dphi_dbg;  // of phi
+  Matrix3 dv_dba, dv_dbg, dp_dba, dp_dbg;
+};
+
+Step Integrate(const Vector3& w0, const Vector3& a0, const Vector3& w1, const Vector3& a1,
+               double h) {
+  Step s;
+  const Vector3 cross = w0.cross(w1);
+  const Vector3 a_mid = 0.5 * (a0 + a1);
+  // Magnus series over the whole step and over its first half.
+  const Vector3 phi_mid = h / 8.0 * (3.0 * w0 + w1) + h * h / 96.0 * cross;
+  s.phi = 0.5 * h * (w0 + w1) + h * h / 12.0 * cross;
+  s.R = so3::Exp(s.phi);
+  s.Jr = so3::Jr(s.phi);
+  const Matrix3 R_mid = so3::Exp(phi_mid);
+  // Simpson's rule.
+  const Vector3 f_mid = R_mid * a_mid;
+  const Vector3 f_end = s.R * a1;
+  s.dv = h / 6.0 * (a0 + 4.0 * f_mid + f_end);
+  s.dp = h * h / 6.0 * (a0 + 2.0 * f_mid);
+  // (w0 - d) x (w1 - d) = w0 x w1 + (w1 - w0) x d.
+  const Matrix3 turn = so3::Hat(w1 - w0);
+  s.dphi_dbg = -h * Matrix3::Identity() + h * h / 12.0 * turn;
+  const Matrix3 dphi_mid_dbg = -0.5 * h * Matrix3::Identity() + h * h / 96.0 * turn;
+  const Matrix3 df_mid_dbg = -(R_mid * so3::Hat(a_mid) * so3::Jr(phi_mid) * dphi_mid_dbg);
+  const Matrix3 df_end_dbg = -(s.R * so3::Hat(a1) * s.Jr * s.dphi_dbg);
+  s.dv_dbg = h / 6.0 * (4.0 * df_mid_dbg + df_end_dbg);
+  s.dp_dbg = h * h / 3.0 * df_mid_dbg;
+  s.dv_dba = -h / 6.0 * (Matrix3::Identity() + 4.0 * R_mid + s.R);
+  s.dp_dba = -h * h / 6.0 * (Matrix3::Identity() + 2.0 * R_mid);
+  return s;
+}
+
+bool Finite(const ImuPreintegration& x) {
+  return x.imu.Validate().ok() && internal::AllFinite(x.covariance.data(), 225) &&
+         internal::AllFinite(&x.mean_accel, 1);
+}
+
+Status CheckSample(const ImuSample& sample) {
+  if (Status s = ValidateFinite(sample.gyro.data(), 3, "gyroscope"); !s.ok()) return s;
+  return ValidateFinite(sample.accel.data(), 3, "accelerometer");
+}
+
+}  // namespace
+
+Status ImuPreintegrator::Start(const ImuSample& first, const ImuBias& bias, const ImuNoise& noise) {
+  started_ = false;
+  integral_ = ImuPreintegration{};
+  if (Status s = noise.Validate(); !s.ok()) return s;
+  if (Status s = CheckSample(first); !s.ok()) return s;
+  if (Status s = ValidateFinite(bias.ba.data(), 3, "accelerometer bias"); !s.ok()) return s;
+  if (Status s = ValidateFinite(bias.bg.data(), 3, "gyroscope bias"); !s.ok()) return s;
+  noise_ = noise;
+  last_ = first;
+  integral_.imu.ba_lin = bias.ba;
+  integral_.imu.bg_lin = bias.bg;
+  started_ = true;
+  return {};
+}
+
+Status ImuPreintegrator::Add(const ImuSample& sample) {
+  if (!started_) return {StatusCode::kInvalidArgument, "preintegration has not been started"};
+  if (Status s = CheckSample(sample); !s.ok()) return s;
+  if (sample.stamp_ns <= last_.stamp_ns) {
+    return {StatusCode::kInvalidArgument, "IMU sample at " + std::to_string(sample.stamp_ns) +
+                                              " ns is not later than the one before"};
+  }
+  const double h = SecondsBetween(last_.stamp_ns, sample.stamp_ns);
+  const PreintegratedImu& x = integral_.imu;
+  const Vector3 a0 = last_.accel - x.ba_lin;
+  const Vector3 a1 = sample.accel - x.ba_lin;
+  const Step s = Integrate(last_.gyro - x.bg_lin, a0, sample.gyro - x.bg_lin, a1, h);
+  const Matrix3 R = RotationMatrix(x.dq.coeffs().data());
+
+  ImuPreintegration next = integral_;
+  PreintegratedImu& y = next.imu;
+  const Vector3 step_v = R * s.dv;
+  const Vector3 step_p = R * s.dp;
+  y.dt = x.dt + h;
+  y.dq = (x.dq * so3::ExpQuaternion(s.phi)).normalized();
+  y.dv = x.dv + step_v;
+  y.dp = x.dp + h * x.dv + step_p;
+
+  // Bias Jacobians by the same recursion as the errors: Exp(s.phi) carries a perturbation at the
+  // right of dq to the new end.
+  const Matrix3 dtheta_dbg_step = s.Jr * s.dphi_dbg;
+  const Matrix3 dv_dtheta = -(R * so3::Hat(s.dv));
+  const Matrix3 dp_dtheta = -(R * so3::Hat(s.dp));
+  y.dp_dba = x.dp_dba + h * x.dv_dba + R * s.dp_dba;
+  y.dp_dbg = x.dp_dbg + h * x.dv_dbg + dp_dtheta * x.dq_dbg + R * s.dp_dbg;
+  y.dv_dba = x.dv_dba + R * s.dv_dba;
+  y.dv_dbg = x.dv_dbg + dv_dtheta * x.dq_dbg + R * s.dv_dbg;
+  y.dq_dbg = s.R.transpose() * x.dq_dbg + dtheta_dbg_step;
+
+  // Error state e = [p, theta, v | ba, bg], Eq. (62): e <- A e + B n. The biases of the error state
+  // are the distance walked since the start of the interval. A bias that has walked by w makes the
+  // true increments those at bias + w, and so does noise of -w: one matrix for both.
+  Matrix<9, 6> B = Matrix<9, 6>::Zero();  // by accelerometer, gyroscope
+  B.block<3, 3>(0, 0) = R * s.dp_dba;
+  B.block<3, 3>(0, 3) = R * s.dp_dbg;
+  B.block<3, 3>(3, 3) = dtheta_dbg_step;
+  B.block<3, 3>(6, 0) = R * s.dv_dba;
+  B.block<3, 3>(6, 3) = R * s.dv_dbg;
+  Matrix<9, 15> A = Matrix<9, 15>::Identity();  // the rows of A for the biases are [0 I]
+  A.block<3, 3>(0, 3) = dp_dtheta;
+  A.block<3, 3>(0, 6) = h * Matrix3::Identity();
+  A.block<3, 3>(3, 3) = s.R.transpose();
+  A.block<3, 3>(6, 3) = dv_dtheta;
+  A.rightCols<6>() = B;
+
+  const double na =
+      noise_.accel_noise_density *
+      (last_.accel_saturated || sample.accel_saturated ? noise_.saturation_inflation : 1.0);
+  const double ng =
+      noise_.gyro_noise_density *
+      (last_.gyro_saturated || sample.gyro_saturated ? noise_.saturation_inflation : 1.0);
+  Matrix<9, 6> BQ = B;
+  BQ.leftCols<3>() *= na * na / h;
+  BQ.rightCols<3>() *= ng * ng / h;
+  Matrix<9, 15> AP;
+  AP.noalias() = A * integral_.covariance;
+  Matrix<9, 9> P;
+  P.noalias() = AP * A.transpose();
+  P.noalias() += BQ * B.transpose();
+  next.covariance.topLeftCorner<9, 9>() = P;
+  next.covariance.topRightCorner<9, 6>() = AP.rightCols<6>();
+  next.covariance.bottomLeftCorner<6, 9>() = AP.rightCols<6>().transpose();
+  // White noise is not constant over the step: the variance of its double integral is h^3 / 3, not
+  // h^3 / 4. Keeps the covariance regular from the first step on.
+  next.covariance.diagonal().segment<3>(0).array() += na * na * h * h * h / 12.0;
+  const double wa = noise_.accel_random_walk, wg = noise_.gyro_random_walk;
+  next.covariance.diagonal().segment<3>(9).array() += wa * wa * h;
+  next.covariance.diagonal().segment<3>(12).array() += wg * wg * h;
+  next.mean_accel = (x.dt * integral_.mean_accel + 0.5 * h * (a0.norm() + a1.norm())) / y.dt;
+
+  if (!Finite(next)) {
+    return {StatusCode::kNotFinite,
+            "preintegration overflows at " + std::to_string(sample.stamp_ns) + " ns"};
+  }
+  integral_ = next;
+  last_ = sample;
+  return {};
+}
+
+Result<ImuPreintegration> Preintegrate(std::span<const ImuSample> samples, const ImuBias& bias,
+                                       const ImuNoise& noise) {
+  if (samples.size() < 2) {
+    return Status(StatusCode::kInvalidArgument, "preintegration needs at least two samples");
+  }
+  ImuPreintegrator integrator;
+  Status status = integrator.Start(samples[0], bias, noise);
+  for (std::size_t k = 1; k < samples.size() && status.ok(); ++k)
+    status = integrator.Add(samples[k]);
+  if (!status.ok()) return status;
+  return integrator.Get();
+}
+
+}  // namespace glissade
