@@ -32,22 +32,25 @@ double* Scratch(std::size_t n) {
   return scratch.data();
 }
 
+}  // namespace
+
+namespace internal {
+
 bool IsAdditive(const VertexOps& ops) {
   return ops.type == &kTypeInfo<VertexSpeedBias> || ops.type == &kTypeInfo<VertexInverseDepth> ||
          ops.type == &kTypeInfo<VertexPointXYZ> || ops.type == &kTypeInfo<VertexCameraBal>;
 }
 
-/// d((x boxplus d) boxminus x0)/dd at d = 0. Types that the library does not know: differences of
-/// fourth order, good to about 1e-12.
-RowMajor MinusJacobian(const VertexOps& ops, const double* x, const double* x0) {
+void MinusJacobian(const VertexOps& ops, const double* x, const double* x0, double* out) {
   const int n = ops.tangent_dim;
-  RowMajor D = RowMajor::Identity(n, n);
-  if (IsAdditive(ops)) return D;
+  Eigen::Map<RowMajor> D(out, n, n);
+  D.setIdentity();
+  if (IsAdditive(ops)) return;
   if (ops.type == &kTypeInfo<VertexPose>) {
     double delta[6];
     ops.minus(x, x0, delta);
     D.bottomRightCorner<3, 3>() = so3::JrInverse(Vector3(delta[3], delta[4], delta[5]));
-    return D;
+    return;
   }
   constexpr double kStep = 1e-3;
   constexpr std::pair<double, double> kStencil[] = {
@@ -64,10 +67,9 @@ RowMajor MinusJacobian(const VertexOps& ops, const double* x, const double* x0) 
     }
     D.col(c) = sum / kStep;
   }
-  return D;
 }
 
-}  // namespace
+}  // namespace internal
 
 struct EdgeMarginalPrior::Data {
   std::vector<const VertexOps*> types;
@@ -177,10 +179,12 @@ bool EdgeMarginalPrior::Evaluate(std::span<const VertexRef> vertices, double* re
   for (std::size_t i = 0; jacobians != nullptr && i < data_->types.size(); ++i) {
     const VertexOps& ops = *data_->types[i];
     if (jacobians[i] != nullptr) {
-      Eigen::Map<RowMajor>(jacobians[i], rows, ops.tangent_dim) =
-          data_->J()
-              .middleCols(col, ops.tangent_dim)
-              .lazyProduct(MinusJacobian(ops, vertices[i].data, origin));
+      const int n = ops.tangent_dim;
+      // After what Residual() used of the scratch: nothing of that is needed any more.
+      double* const D = Scratch(static_cast<std::size_t>(n * n));
+      internal::MinusJacobian(ops, vertices[i].data, origin, D);
+      Eigen::Map<RowMajor>(jacobians[i], rows, n) =
+          data_->J().middleCols(col, n).lazyProduct(ConstMatrixMap(D, n, n));
     }
     col += ops.tangent_dim;
     origin += ops.ambient_dim;
@@ -198,6 +202,10 @@ bool EdgeMarginalPrior::LinearizeQuadratic(std::span<const VertexRef> vertices, 
   *squared_norm = residual.squaredNorm();
   if (gradient != nullptr) VectorMap(gradient, n).noalias() = data_->J().transpose() * residual;
   return true;
+}
+
+const double* EdgeMarginalPrior::LinearizationPoint() const {
+  return data_->x0.data();
 }
 
 std::unique_ptr<DynamicEdge> EdgeMarginalPrior::Clone() const {

@@ -3,6 +3,7 @@
 #include "glissade/graph/dynamic_edge_pool.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -179,6 +180,7 @@ bool DynamicEdgePool::LinearizeGeneral(const Entry& item, const Loss& loss,
                                        const std::int32_t* words, NormalEquationsSink* sink) const {
   const int arity = static_cast<int>(item.vertices.size());
   const int rows = item.edge->ResidualDim();
+  item.jacobian.resize(item.residual.size() * item.gradient.size());
   // Jacobians of free vertices side by side: J_i at jacobian + rows * (columns before i).
   int dim = 0;
   for (int i = 0; i < arity; ++i) {
@@ -187,9 +189,11 @@ bool DynamicEdgePool::LinearizeGeneral(const Entry& item, const Loss& loss,
         free ? item.jacobian.data() + rows * dim : nullptr;
     dim += item.refs[static_cast<std::size_t>(i)].ops->tangent_dim;
   }
-  if (!item.edge->Evaluate(item.refs, item.residual.data(), item.jacobian_of_vertex.data())) {
-    return false;
-  }
+  const bool full = sink->first_estimates == FirstEstimates::kFull;
+  const bool ok =
+      full ? EvaluateFirstEstimates(item, words)
+           : item.edge->Evaluate(item.refs, item.residual.data(), item.jacobian_of_vertex.data());
+  if (!ok) return false;
   VectorMap r(item.residual.data(), rows);
   const double s = r.squaredNorm();
   const internal::RobustScale scale(loss, s);
@@ -247,15 +251,38 @@ bool DynamicEdgePool::LinearizeGeneral(const Entry& item, const Loss& loss,
   return true;
 }
 
+bool DynamicEdgePool::EvaluateFirstEstimates(const Entry& item, const std::int32_t* words) const {
+  if (!item.edge->Evaluate(item.refs, item.residual.data(), nullptr)) return false;
+  std::size_t size = item.residual.size();
+  for (const VertexRef& ref : item.refs)
+    size += static_cast<std::size_t>(ref.ops->ambient_dim);
+  item.points.resize(size);
+  double* at = item.points.data() + item.residual.size();  // before it: a residual nobody wants
+  for (std::size_t i = 0; i < item.refs.size(); ++i) {
+    VertexRef& ref = item.refs[i];
+    const double* point =
+        item.vertices[i].pool->first_estimates().At(words[plan::State(static_cast<int>(i))]);
+    if (point != nullptr && ref.ops->first_estimate_size > 0) {
+      std::copy_n(ref.data, ref.ops->ambient_dim, at);
+      std::copy_n(point, ref.ops->first_estimate_size, at);
+      ref.data = at;
+    }
+    at += ref.ops->ambient_dim;
+  }
+  return item.edge->Evaluate(item.refs, item.points.data(), item.jacobian_of_vertex.data());
+}
+
 bool DynamicEdgePool::Linearize(const std::int32_t* words, int count,
                                 NormalEquationsSink* sink) const {
   for (int k = 0; k < count; ++k) {
     const int edge = words[plan::kEdge];
     const Entry& item = EntryAt(edge);
     SetRefs(item, words);
-    const bool ok = item.edge->ConstantHessian() != nullptr
-                        ? LinearizeConstant(item, words, sink)
-                        : LinearizeGeneral(item, loss(edge), words, sink);
+    // Where first estimates are not kept, the prior has its exact derivative, which varies.
+    const bool constant =
+        item.edge->ConstantHessian() != nullptr && sink->first_estimates != FirstEstimates::kOff;
+    const bool ok = constant ? LinearizeConstant(item, words, sink)
+                             : LinearizeGeneral(item, loss(edge), words, sink);
     if (!ok) {
       sink->failed_edge = edge;
       return false;

@@ -68,6 +68,7 @@ Graph& Graph::operator=(Graph&& other) noexcept {
   saved_free_tangents_ = std::exchange(other.saved_free_tangents_, {});
   hold_ = std::exchange(other.hold_, {});
   gauge_references_ = std::exchange(other.gauge_references_, {});
+  first_estimates_ = other.first_estimates_;
   structure_version_ = other.structure_version_;
   weights_version_ = other.weights_version_;
   identity_ = std::exchange(other.identity_, NewIdentity());
@@ -164,6 +165,7 @@ Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge
     pool = static_cast<DynamicEdgePool*>(edge_pools_.back().get());
   }
   StructureChanged();
+  EnterFirstEstimates(*edge, vertices);
   return pool->Add(std::move(edge), sites, loss, structure_version_);
 }
 
@@ -172,8 +174,10 @@ Status Graph::RemoveVertex(AnyVertex vertex) {
   if (site.pool == nullptr) return UnknownVertex(vertex);
   DropFreeTangent(vertex);
   DropGaugeReference(vertex);
+  const bool under_prior = site.pool->first_estimates().At(site.index) != nullptr;
   // Connected edges are dead from here on (EdgePoolBase::Alive) and go at the next Compact().
   site.pool->Remove(vertex.slot);
+  if (under_prior) DropOrphanedFirstEstimates();
   StructureChanged();
   return {};
 }
@@ -182,6 +186,7 @@ Status Graph::RemoveEdge(AnyEdge edge) {
   const EdgeSite site = Locate(edge);
   if (site.pool == nullptr) return UnknownEdge(edge);
   site.pool->Remove(edge.slot);
+  if (edge.type == &kTypeInfo<DynamicEdge>) DropOrphanedFirstEstimates();
   StructureChanged();
   return {};
 }
@@ -304,6 +309,7 @@ Graph Graph::Clone() const {
     copy.edge_pools_.push_back(pool->Clone(copy.vertex_pools_));
   }
   copy.free_tangents_ = free_tangents_;
+  copy.first_estimates_ = first_estimates_;
   copy.gauge_references_ = gauge_references_;
   copy.structure_version_ = structure_version_;
   return copy;

@@ -154,6 +154,7 @@ Snapshot Graph::GetSnapshot() const {
     snapshot.states.insert(snapshot.states.end(), data, data + site.pool->ops().ambient_dim);
   }
   snapshot.free_tangents = free_tangents_;
+  AddFirstEstimatesTo(&snapshot);
   return snapshot;
 }
 
@@ -184,6 +185,8 @@ Status Graph::RestoreSnapshot(const Snapshot& snapshot) {
     return {StatusCode::kNotFinite, "RestoreSnapshot: the chart of a pose is not finite",
             tangent.vertex};
   }
+  if (Status status = CheckFirstEstimates(snapshot); !status.ok()) return status;
+  RestoreFirstEstimates(snapshot);
   const double* from = snapshot.states.data();
   for (const AnyVertex& vertex : snapshot.vertices) {
     const VertexSite site = Locate(vertex);

@@ -100,6 +100,7 @@ void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& gr
   sink.h_pp = h_pp_[Index(chunk)].data();
   sink.b_p = b_p_[Index(chunk)].data();
   sink.landmarks = landmarks_.data();
+  sink.first_estimates = graph.first_estimates();
   for (const EdgeRun& run : structure.EdgesOfChunk(chunk)) {
     if (run.count == 0) continue;
     const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];

@@ -25,7 +25,8 @@ std::int32_t RoundUp(std::int32_t lanes) {
 }  // namespace
 
 // Finds the landmarks that qualify: all their edges are EdgeReprojection with one host and one
-// extrinsic, and no loss but Huber's.
+// extrinsic, and no loss but Huber's. With first estimates in full, edges on poses that have one
+// take the general path.
 void Structure::FindFusedLandmarks(const Graph& graph) {
   fused_.clear();
   const EdgePool<EdgeReprojection>* pool = graph.Pool<EdgeReprojection>();
@@ -37,6 +38,8 @@ void Structure::FindFusedLandmarks(const Graph& graph) {
   group_of_host_.assign(Index(graph.Pool<VertexPose>()->size()), -1);
   pair_of_pose_.assign(group_of_host_.size(), -1);  // here: the last landmark seen from a pose
   auto& groups = plan_.groups;
+  const LinearizationTable& first_estimates = graph.Pool<VertexPose>()->first_estimates();
+  const bool full = graph.first_estimates() == FirstEstimates::kFull && !first_estimates.empty();
   for (std::size_t l = 0; l < landmarks_.size(); ++l) {
     const std::int32_t begin = landmark_edges_begin_[l], end = landmark_edges_begin_[l + 1];
     const EdgeRef* refs = landmark_edges_.data() + begin;
@@ -49,6 +52,10 @@ void Structure::FindFusedLandmarks(const Graph& graph) {
               (pool->loss(edge).trivial() || pool->loss(edge).As<Huber>() != nullptr) &&
               flat.index[Index(3 * edge)] == flat.index[Index(3 * first)] &&
               pool->At(edge).SameSensor(pool->At(first));
+      if (fused && full) {
+        fused = first_estimates.At(flat.index[Index(3 * edge)]) == nullptr &&
+                first_estimates.At(flat.index[Index(3 * edge + 1)]) == nullptr;
+      }
       if (!fused) break;
       // One lane per landmark and target: an observation that is there twice takes the other path.
       std::int32_t& seen = pair_of_pose_[Index(flat.index[Index(3 * edge + 1)])];

@@ -31,8 +31,22 @@
 /// Optional members:
 ///   static constexpr bool kIsObservation = true;  // two on the same vertices with
 ///   bool SameSensor(const EdgeX& other) const;    //   SameSensor true are duplicates
+///   static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;  // see there
+///   static constexpr unsigned kNoFirstEstimate = 1u << 3;  // slots that are no part of the gauge
 ///   Result depth: double Depth(vertices...) const; // for DepthOf and GetOutlierEdges
 namespace glissade {
+
+/// How an edge is linearized where its vertices have linearization points x_lin other than their
+/// present values x (first estimates in full, graph/first_estimates.h). The residual is that of x.
+enum class FirstEstimateRule {
+  /// All of the Jacobian at x_lin. Default.
+  kWhole,
+  /// Vertices 0 and 1 are poses T_W_A, T_W_B that enter as T_W_B^-1 T_W_A only:
+  /// d(residual)/d(relative pose) at x, d(relative pose)/d(poses) at x_lin, all else at x.
+  kRelativePose,
+  /// Vertices 0 and 1 are a pose and a VertexPointXYZ that enter as T_W_B^-1 X only; likewise.
+  kRelativePoint,
+};
 
 /// The vertex types an edge connects, in the order of Evaluate's arguments.
 template <VertexType... V>

@@ -47,6 +47,11 @@ class DynamicEdge {
     return false;
   }
 
+  /// Where a linear edge (a marginal prior) was linearized: ambient states of its vertices, one
+  /// after the other; null (default) for others. Adding such an edge to a graph gives vertices that
+  /// have none a linearization point (graph/first_estimates.h).
+  [[nodiscard]] virtual const double* LinearizationPoint() const { return nullptr; }
+
   [[nodiscard]] virtual std::unique_ptr<DynamicEdge> Clone() const = 0;
 };
 

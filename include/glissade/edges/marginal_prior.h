@@ -44,6 +44,7 @@ class EdgeMarginalPrior final : public DynamicEdge {
   /// gradient = J'r with the constant J.
   bool LinearizeQuadratic(std::span<const VertexRef> vertices, double* gradient,
                           double* squared_norm) const override;
+  [[nodiscard]] const double* LinearizationPoint() const override;
   [[nodiscard]] std::unique_ptr<DynamicEdge> Clone() const override;
 
  private:
@@ -52,5 +53,13 @@ class EdgeMarginalPrior final : public DynamicEdge {
 
   std::shared_ptr<const Data> data_;
 };
+
+namespace internal {
+/// d((x boxplus d) boxminus x0)/dd at d = 0, row-major, tangent_dim square. Types that the library
+/// does not know: differences of fourth order, good to about 1e-12.
+void MinusJacobian(const VertexOps& ops, const double* x, const double* x0, double* D);
+/// Whether boxplus is a sum, and so that derivative the identity.
+bool IsAdditive(const VertexOps& ops);
+}  // namespace internal
 
 }  // namespace glissade

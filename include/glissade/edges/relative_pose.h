@@ -13,6 +13,7 @@ namespace glissade {
 struct EdgeRelativePose {
   using Vertices = VertexList<VertexPose, VertexPose>;
   static constexpr int kResidualDim = 6;
+  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
 
   Pose T_i_j;
 

@@ -20,6 +20,7 @@ struct EdgeReprojectionStereoOf {
   using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth>;
   static constexpr int kResidualDim = 2;
   static constexpr bool kIsObservation = true;
+  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
 
   Vector2 uv_host = Vector2::Zero();      ///< normalized coordinates of the host's ray
   Vector2 uv_target = Vector2::Zero();    ///< image coordinates of `camera` in the target frame

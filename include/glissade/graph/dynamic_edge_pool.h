@@ -66,6 +66,7 @@ class DynamicEdgePool final : public EdgePoolBase {
     mutable std::vector<double> jacobian;  // blocks one after the other
     mutable std::vector<double*> jacobian_of_vertex;
     mutable std::vector<double> gradient;
+    mutable std::vector<double> points;  // states with first estimates in them, one after the other
   };
 
   [[nodiscard]] const Entry& EntryAt(int edge) const {
@@ -78,6 +79,7 @@ class DynamicEdgePool final : public EdgePoolBase {
                          NormalEquationsSink* sink) const;
   bool LinearizeGeneral(const Entry& item, const Loss& loss, const std::int32_t* words,
                         NormalEquationsSink* sink) const;
+  bool EvaluateFirstEstimates(const Entry& item, const std::int32_t* words) const;
   static void Add(const Entry& item, const std::int32_t* words, const double* H, int stride,
                   const double* gradient, NormalEquationsSink* sink);
 

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "glissade/graph/first_estimates.h"
+
 namespace glissade {
 
 /// Where one edge reads its vertices and adds its contributions: a record of 32-bit words, written
@@ -56,7 +58,8 @@ struct NormalEquationsSink {
   double* h_pp = nullptr;
   double* b_p = nullptr;
   double* landmarks = nullptr;
-  double cost = 0.0;     ///< 1/2 sum rho(s)
+  double cost = 0.0;  ///< 1/2 sum rho(s)
+  FirstEstimates first_estimates = FirstEstimates::kPriorOnly;
   int failed_edge = -1;  ///< dense index of the first edge that has no finite value
 };
 

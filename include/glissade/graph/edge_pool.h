@@ -36,6 +36,7 @@ class EdgePool final : public EdgePoolBase {
  public:
   static constexpr int kArity = E::Vertices::kSize;
   static constexpr int kRows = E::kResidualDim;
+  static_assert(kArity <= kMaxTypedArity, "a typed edge has at most 16 vertices");
   using Pools = typename internal::EdgeTuples<typename E::Vertices>::Pools;
   using Jacobians = typename internal::EdgeTuples<typename E::Vertices>::template Jacobians<kRows>;
   using SqrtInformation = SquareMatrix<kRows>;
@@ -119,6 +120,15 @@ class EdgePool final : public EdgePoolBase {
       return poison == 0.0;
     }
     (std::make_index_sequence<kArity>{});
+  }
+
+  [[nodiscard]] FirstEstimateRule first_estimate_rule() const override {
+    if constexpr (requires { E::kFirstEstimateRule; }) return E::kFirstEstimateRule;
+    return FirstEstimateRule::kWhole;
+  }
+  [[nodiscard]] unsigned no_first_estimate() const override {
+    if constexpr (requires { E::kNoFirstEstimate; }) return E::kNoFirstEstimate;
+    return 0;
   }
 
   void Whiten(int edge, double* residual, double* const* jacobians) const override {
@@ -271,6 +281,8 @@ class EdgePool final : public EdgePoolBase {
   }
 
   bool LinearizeOne(const std::int32_t* words, NormalEquationsSink* sink) const;
+  bool EvaluateFirstEstimates(const std::int32_t* words, double* residual,
+                              Jacobians* jacobians) const;
   template <int I>
   static void AccumulateVertex(const std::int32_t* words, const double* r,
                                const Jacobians& jacobians, NormalEquationsSink* sink);

@@ -6,12 +6,16 @@
 #include <memory>
 #include <vector>
 
+#include "glissade/edges/concept.h"
 #include "glissade/graph/edge_plan.h"
 #include "glissade/graph/slot_map.h"
 #include "glissade/graph/vertex_pool.h"
 #include "glissade/losses/loss.h"
 
 namespace glissade {
+
+/// More vertices than that make a dynamic edge.
+inline constexpr int kMaxTypedArity = 16;
 
 /// All edges of one type (or all dynamic edges), as the rooms below the graph see them.
 class EdgePoolBase {
@@ -62,6 +66,16 @@ class EdgePoolBase {
   /// null array skip them) at the given states. False where the edge has no finite value.
   virtual bool Evaluate(int edge, const double* const* states, double* residual,
                         double* const* jacobians) const = 0;
+  /// The same with first estimates: points[i] is x_lin of vertex i (all of its numbers), or null
+  /// where it has none. The residual is that of the states; Jacobians are taken as the edge's
+  /// FirstEstimateRule says.
+  bool EvaluateAt(int edge, const double* const* states, const double* const* points,
+                  double* residual, double* const* jacobians) const;
+  [[nodiscard]] virtual FirstEstimateRule first_estimate_rule() const {
+    return FirstEstimateRule::kWhole;
+  }
+  /// Bit i: vertex i is always linearized at its present value.
+  [[nodiscard]] virtual unsigned no_first_estimate() const { return 0; }
   /// residual <- L residual, jacobians <- L jacobians.
   virtual void Whiten(int edge, double* residual, double* const* jacobians) const = 0;
   /// s = r' Omega r at the present states; NaN where the edge has no finite value.

@@ -15,6 +15,9 @@ bool EdgePool<E>::LinearizeOne(const std::int32_t* words, NormalEquationsSink* s
   Vector<kRows> r;
   Jacobians J;
   const bool ok = [&]<std::size_t... I>(std::index_sequence<I...>) {
+    if (sink->first_estimates == FirstEstimates::kFull) {
+      return EvaluateFirstEstimates(words, r.data(), &J);
+    }
     return At(edge).Evaluate(
         std::get<I>(pools_)->At(words[plan::State(static_cast<int>(I))])..., r,
         (words[plan::Target(kArity, static_cast<int>(I))] != plan::kNone ? &std::get<I>(J)
@@ -58,6 +61,21 @@ bool EdgePool<E>::LinearizeOne(const std::int32_t* words, NormalEquationsSink* s
   }
   (std::make_integer_sequence<int, kArity>{});
   return true;
+}
+
+template <EdgeType E>
+bool EdgePool<E>::EvaluateFirstEstimates(const std::int32_t* words, double* residual,
+                                         Jacobians* jacobians) const {
+  const double *states[kArity], *points[kArity];
+  double* J[kArity];
+  ForEachIndex<kArity>([&](auto i) {
+    const auto* pool = std::get<i>(pools_);
+    const std::int32_t vertex = words[plan::State(i)];
+    states[i] = pool->At(vertex).Data();
+    points[i] = pool->first_estimates().At(vertex);
+    J[i] = words[plan::Target(kArity, i)] != plan::kNone ? std::get<i>(*jacobians).data() : nullptr;
+  });
+  return EvaluateAt(words[plan::kEdge], states, points, residual, J);
 }
 
 template <EdgeType E>

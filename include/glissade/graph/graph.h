@@ -11,6 +11,7 @@
 #include "glissade/graph/dynamic_edge_pool.h"
 #include "glissade/graph/edge_options.h"
 #include "glissade/graph/edge_pool.h"
+#include "glissade/graph/first_estimates.h"
 #include "glissade/graph/fix.h"
 #include "glissade/graph/hold.h"
 #include "glissade/graph/snapshot.h"
@@ -96,6 +97,19 @@ class Graph {
   /// Whether a vertex is eliminated by the Schur complement; default: what its type says. Only
   /// vertices with a tangent of at most 4 dimensions can be.
   Status SetEliminated(AnyVertex vertex, bool eliminated);
+
+  // --- First estimates (first_estimates.h) ---------------------------------------------------
+  /// Where solves and marginalizations of this graph linearize.
+  [[nodiscard]] FirstEstimates first_estimates() const { return first_estimates_; }
+  void SetFirstEstimates(FirstEstimates mode);
+  /// Whether a marginal prior touches the vertex: it then has an x_lin, its value when a prior
+  /// first touched it, and keeps it until no prior touches it any more.
+  [[nodiscard]] bool HasFirstEstimate(AnyVertex vertex) const;
+  /// x_lin, or the present value of a vertex without one: ambient coordinates. Empty for a dead
+  /// handle. Valid until the graph is changed.
+  [[nodiscard]] std::span<const double> LinearizationPoint(AnyVertex vertex) const;
+  /// Replaces x_lin: for whoever moves a solution with its priors, x0 of which must move along.
+  Status SetFirstEstimate(AnyVertex vertex, std::span<const double> x_lin);
 
   // --- Weights ------------------------------------------------------------------------------
   template <EdgeType E>
@@ -200,6 +214,13 @@ class Graph {
                                          std::string_view edge_name) const;
   void StructureChanged() { ++structure_version_; }
   void DropFreeTangent(AnyVertex vertex);
+  void EnterFirstEstimate(const VertexSite& site, const double* x_lin);
+  void EnterFirstEstimates(const DynamicEdge& edge, std::span<const AnyVertex> vertices);
+  [[nodiscard]] bool HasPriorOn(const VertexPoolBase& pool, int index) const;
+  void DropOrphanedFirstEstimates();
+  void AddFirstEstimatesTo(Snapshot* snapshot) const;
+  [[nodiscard]] Status CheckFirstEstimates(const Snapshot& snapshot) const;
+  void RestoreFirstEstimates(const Snapshot& snapshot);
   void DropGaugeReference(AnyVertex vertex);
   void Reanchor(AnyVertex vertex);
   template <VertexType V>
@@ -216,6 +237,7 @@ class Graph {
   std::vector<FreeTangent> free_tangents_, saved_free_tangents_;
   TemporaryHold hold_;
   std::vector<GaugeReference> gauge_references_;
+  FirstEstimates first_estimates_ = FirstEstimates::kPriorOnly;
   std::uint64_t structure_version_ = 1;
   std::uint64_t weights_version_ = 1;
   std::uint64_t identity_;

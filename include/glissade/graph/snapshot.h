@@ -16,6 +16,9 @@ struct Snapshot {
   std::vector<double> states;
   /// Gauge charts of partly fixed poses.
   std::vector<FreeTangent> free_tangents;
+  /// Vertices that have a linearization point, and those points as states are given.
+  std::vector<AnyVertex> first_estimate_vertices;
+  std::vector<double> first_estimates;
 };
 
 }  // namespace glissade

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "glissade/graph/first_estimates.h"
 #include "glissade/graph/fix.h"
 #include "glissade/graph/slot_map.h"
 #include "glissade/vertices/concept.h"
@@ -17,7 +18,7 @@ namespace glissade {
 /// themselves are in VertexPool<V>.
 class VertexPoolBase {
  public:
-  explicit VertexPoolBase(const VertexOps& ops) : ops_(&ops) {}
+  explicit VertexPoolBase(const VertexOps& ops) : ops_(&ops), first_estimates_(ops.ambient_dim) {}
   virtual ~VertexPoolBase() = default;
 
   [[nodiscard]] const VertexOps& ops() const { return *ops_; }
@@ -47,7 +48,15 @@ class VertexPoolBase {
     eliminated_[static_cast<std::size_t>(index)] = on ? 1 : 0;
   }
 
-  void Remove(std::uint32_t slot) { slots_.Remove(slot); }
+  /// x_lin of each vertex that has one (first_estimates.h).
+  [[nodiscard]] const LinearizationTable& first_estimates() const { return first_estimates_; }
+  void SetFirstEstimate(int index, const double* x) { first_estimates_.Set(index, size(), x); }
+  void DropFirstEstimate(int index) { first_estimates_.Drop(index); }
+
+  void Remove(std::uint32_t slot) {
+    first_estimates_.Drop(slots_.IndexOf(slot));
+    slots_.Remove(slot);
+  }
 
   /// x(index) <- x(index) boxplus delta for count vertices; delta of the k-th is step + offset[k],
   /// vertices with offset[k] < 0 stay.
@@ -64,6 +73,7 @@ class VertexPoolBase {
   internal::SlotMap slots_;
   std::vector<Fix> fix_;
   std::vector<std::uint8_t> eliminated_;
+  LinearizationTable first_estimates_;
   std::byte* base_ = nullptr;
   std::size_t stride_ = 0;
 };
@@ -79,6 +89,7 @@ class VertexPool final : public VertexPoolBase {
     values_.push_back(value);
     fix_.push_back(Fix::kFree);
     eliminated_.push_back(kIsEliminated<V> ? 1 : 0);
+    first_estimates_.Resize(slots_.Size());
     Rebase();
     return {address.slot, address.generation};
   }
@@ -101,11 +112,13 @@ class VertexPool final : public VertexPoolBase {
       values_[t] = values_[f];
       fix_[t] = fix_[f];
       eliminated_[t] = eliminated_[f];
+      first_estimates_.Move(from, to);
     });
     const auto n = static_cast<std::size_t>(slots_.Size());
     values_.resize(n);
     fix_.resize(n);
     eliminated_.resize(n);
+    first_estimates_.Resize(slots_.Size());
     Rebase();
   }
 

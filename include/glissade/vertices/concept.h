@@ -20,6 +20,8 @@
 ///       void Plus(const double* delta);              // x <- x boxplus delta (kTangentDim)
 ///       void Minus(const VertexPlane& x0, double* delta) const;  // delta = x boxminus x0
 ///       Status Validate() const;                     // optional: refuse an impossible state
+///       static constexpr int kFirstEstimateSize = 4; // optional: so many of the leading numbers
+///                                                    //   of the state move with the gauge
 ///     };
 ///
 /// Axioms (CheckVertexAxioms in testing.h): (x boxplus 0) = x, x boxplus (y boxminus x) = y,
@@ -63,12 +65,27 @@ inline constexpr bool kIsEliminated = [] {
   }
 }();
 
+/// kFirstEstimateSize of a vertex type that declares it, else 0.
+template <class V>
+inline constexpr int kFirstEstimateSizeOf = [] {
+  if constexpr (requires { V::kFirstEstimateSize; }) {
+    static_assert(0 <= V::kFirstEstimateSize && V::kFirstEstimateSize <= V::kAmbientDim);
+    static_assert(V::kAmbientDim <= 16, "at most 16 numbers for a type with first estimates");
+    return int(V::kFirstEstimateSize);
+  } else {
+    return 0;
+  }
+}();
+
 /// A vertex type at run time: its name, dimensions and manifold, as functions on raw states.
 struct VertexOps {
   const TypeInfo* type;
   int ambient_dim;
   int tangent_dim;
   bool eliminated;
+  /// How many of the leading numbers of the state a linearization point replaces where first
+  /// estimates are kept (graph/first_estimates.h): those that move with the gauge.
+  int first_estimate_size;
   void (*plus)(const double* x, const double* delta, double* x_plus_delta);
   void (*minus)(const double* x, const double* x0, double* delta);
 };
@@ -88,6 +105,7 @@ inline constexpr VertexOps kVertexOps{
     V::kAmbientDim,
     V::kTangentDim,
     kIsEliminated<V>,
+    kFirstEstimateSizeOf<V>,
     [](const double* x, const double* delta, double* out) {
       V v = internal::VertexFromData<V>(x);
       v.Plus(delta);

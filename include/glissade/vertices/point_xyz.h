@@ -11,6 +11,7 @@ namespace glissade {
 struct VertexPointXYZ {
   static constexpr int kAmbientDim = 3;
   static constexpr int kTangentDim = 3;
+  static constexpr int kFirstEstimateSize = 3;
   static constexpr bool kEliminated = true;
 
   double data[3] = {0.0, 0.0, 0.0};

@@ -14,6 +14,7 @@ namespace glissade {
 struct VertexPose {
   static constexpr int kAmbientDim = 7;
   static constexpr int kTangentDim = 6;
+  static constexpr int kFirstEstimateSize = 7;
 
   Pose pose;
 

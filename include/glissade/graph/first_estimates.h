@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "glissade/vertices/concept.h"
+
+namespace glissade {
+
+/// What is linearized where, once a marginal prior is in the graph. The prior was linearized at
+/// some state x_lin of its vertices; linearizing other factors on the same vertices elsewhere gives
+/// the sum information about directions that no measurement observes (yaw, for visual-inertial
+/// problems).
+///
+/// Source: Huang, Mourikis, Roumeliotis, "A First-Estimates Jacobian EKF for Improving SLAM
+/// Consistency" (ISER 2008); kFull as in Usenko et al., "Visual-Inertial Mapping with Non-Linear
+/// Factor Recovery" (RA-L 2020).
+enum class FirstEstimates : std::uint8_t {
+  /// Everything at the present state x. A marginalization moves the old prior to x.
+  kOff,
+  /// A prior keeps its x0 and a constant Jacobian; factors that a marginalization folds in are
+  /// linearized at x_lin; active edges at x.
+  kPriorOnly,
+  /// In addition active edges use x_lin for d(relative pose)/d(pose) and for all of the Jacobian
+  /// of other edges; d(residual)/d(relative pose), inverse depths, biases, extrinsics and all
+  /// residuals stay at x. The null space of gauge-invariant problems is then kept to rounding.
+  kFull,
+};
+
+/// How many of the leading numbers of a vertex state x_lin replaces in an edge's Jacobian in kFull:
+/// all 7 of a pose, the 3 of an XYZ point, the velocity (3 of 9) of speed and biases, and none of
+/// other types, which do not move with the gauge.
+int FirstEstimateSize(const VertexOps& ops);
+
+/// x_lin of the vertices of one pool: those that a marginal prior touches. Empty, and without
+/// storage, as long as there are none.
+class LinearizationTable {
+ public:
+  explicit LinearizationTable(int ambient_dim) : dim_(static_cast<std::size_t>(ambient_dim)) {}
+
+  /// ambient_dim numbers, or null where the vertex with this dense index has no x_lin.
+  [[nodiscard]] const double* At(int index) const {
+    if (count_ == 0 || has_[static_cast<std::size_t>(index)] == 0) return nullptr;
+    return x_.data() + static_cast<std::size_t>(index) * dim_;
+  }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] int count() const { return count_; }
+
+  /// size: of the pool.
+  void Set(int index, int size, const double* x) {
+    if (count_ == 0) {
+      has_.assign(static_cast<std::size_t>(size), 0);
+      x_.resize(static_cast<std::size_t>(size) * dim_);
+    }
+    const auto k = static_cast<std::size_t>(index);
+    if (has_[k] == 0) ++count_;
+    has_[k] = 1;
+    std::copy_n(x, dim_, x_.data() + k * dim_);
+  }
+  void Drop(int index) {
+    if (count_ == 0 || has_[static_cast<std::size_t>(index)] == 0) return;
+    has_[static_cast<std::size_t>(index)] = 0;
+    --count_;
+  }
+
+  // The pool has moved a value, or has another size.
+  void Move(int from, int to) {
+    if (count_ == 0) return;
+    const auto f = static_cast<std::size_t>(from), t = static_cast<std::size_t>(to);
+    has_[t] = has_[f];
+    std::copy_n(x_.data() + f * dim_, dim_, x_.data() + t * dim_);
+  }
+  void Resize(int size) {
+    if (count_ == 0) return;
+    has_.resize(static_cast<std::size_t>(size), 0);
+    x_.resize(static_cast<std::size_t>(size) * dim_);
+  }
+
+ private:
+  std::size_t dim_;
+  int count_ = 0;
+  std::vector<std::uint8_t> has_;
+  std::vector<double> x_;
+};
+
+}  // namespace glissade

@@ -1,0 +1,268 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/graph/first_estimates.h"
+
+#include <algorithm>
+#include <string>
+
+#include "glissade/base/validate.h"
+#include "glissade/graph/graph.h"
+#include "glissade/lie/pose.h"
+
+namespace glissade {
+
+namespace {
+
+/// x_lin in what moves with the gauge, x in the rest; buffer of 16 numbers. Returns where it is.
+const double* Blend(const VertexOps& ops, const double* x, const double* x_lin, double* buffer) {
+  if (x_lin == nullptr || ops.first_estimate_size == 0) return x;
+  std::copy_n(x, ops.ambient_dim, buffer);
+  std::copy_n(x_lin, ops.first_estimate_size, buffer);
+  return buffer;
+}
+
+/// Rows of d(residual)/d(poses) from where the poses are to where they were linearized first.
+///
+/// With the left twist (rho, phi) of T_B_A = T_W_B^-1 T_W_A, in the axes of body B, a point at P_B
+/// moves by rho + phi x P_B. Target: rho = -R_B' dp_B, phi = -dtheta_B; so the Jacobian with
+/// respect to the target at x tells f = d r/d rho and m = d r/d phi there. Host: phi = R_B' R_A
+/// dtheta_A, rho = R_B' dp_A - phi x t, with t = R_B' (p_A - p_B).
+void MoveRelativePose(int rows, const double* x_b, const double* lin_a, const double* lin_b,
+                      const double* J_b_at_x, double* J_a, double* J_b) {
+  using RowVector = Eigen::Matrix<double, 1, 3>;
+  const Matrix3 R_b_at_x = RotationMatrix(x_b + 3), R_b = RotationMatrix(lin_b + 3);
+  const Matrix3 R_b_a = R_b.transpose() * RotationMatrix(lin_a + 3);
+  const Vector3 t =
+      R_b.transpose() * Vector3(lin_a[0] - lin_b[0], lin_a[1] - lin_b[1], lin_a[2] - lin_b[2]);
+  for (int row = 0; row < rows; ++row) {
+    const Eigen::Map<const RowVector> J_p(J_b_at_x + 6 * row), J_theta(J_b_at_x + 6 * row + 3);
+    const RowVector f = -(J_p * R_b_at_x), m = -J_theta;
+    const RowVector f_w = f * R_b.transpose();
+    if (J_a != nullptr) {
+      Eigen::Map<RowVector>(J_a + 6 * row) = f_w;
+      Eigen::Map<RowVector>(J_a + 6 * row + 3) =
+          (m - RowVector(t.cross(Vector3(f.transpose())).transpose())) * R_b_a;
+    }
+    if (J_b != nullptr) {
+      Eigen::Map<RowVector>(J_b + 6 * row) = -f_w;
+      Eigen::Map<RowVector>(J_b + 6 * row + 3) = -m;
+    }
+  }
+}
+
+/// The same for a pose and a point: P_B = R_B' (X - p_B).
+void MoveRelativePoint(int rows, const double* x_b, const double* lin_b, const double* lin_point,
+                       const double* J_b_at_x, double* J_b, double* J_point) {
+  using RowVector = Eigen::Matrix<double, 1, 3>;
+  const Matrix3 R_b_at_x = RotationMatrix(x_b + 3), R_b = RotationMatrix(lin_b + 3);
+  const Vector3 P = R_b.transpose() * Vector3(lin_point[0] - lin_b[0], lin_point[1] - lin_b[1],
+                                              lin_point[2] - lin_b[2]);
+  for (int row = 0; row < rows; ++row) {
+    const Eigen::Map<const RowVector> J_p(J_b_at_x + 6 * row);
+    const RowVector f = -(J_p * R_b_at_x);
+    const RowVector f_w = f * R_b.transpose();
+    if (J_point != nullptr) Eigen::Map<RowVector>(J_point + 3 * row) = f_w;
+    if (J_b != nullptr) {
+      Eigen::Map<RowVector>(J_b + 6 * row) = -f_w;
+      Eigen::Map<RowVector>(J_b + 6 * row + 3) = Vector3(f.transpose()).cross(P).transpose();
+    }
+  }
+}
+
+}  // namespace
+
+bool EdgePoolBase::EvaluateAt(int edge, const double* const* states, const double* const* points,
+                              double* residual, double* const* jacobians) const {
+  const int count = arity(edge);
+  const unsigned excluded = no_first_estimate();
+  bool moved = false;
+  const auto ops_of = [&](int i) -> const VertexOps& { return vertex_pool(edge, i)->ops(); };
+  for (int i = 0; i < count; ++i) {
+    moved |= points[i] != nullptr && ops_of(i).first_estimate_size > 0 &&
+             (i >= kMaxTypedArity || (excluded >> i & 1u) == 0) &&
+             !std::equal(points[i], points[i] + ops_of(i).first_estimate_size, states[i]);
+  }
+  const bool wanted = jacobians != nullptr;
+  if (!moved || !wanted) return Evaluate(edge, states, residual, jacobians);
+
+  const int rows = residual_dim(edge);
+  const FirstEstimateRule rule = first_estimate_rule();
+  if (rule == FirstEstimateRule::kWhole) {
+    std::vector<double> storage;
+    double fixed[kMaxTypedArity * 16 + 64];
+    const double* fixed_blended[kMaxTypedArity];
+    double* buffer = fixed;
+    const double** blended = fixed_blended;
+    std::vector<const double*> many;
+    if (count > kMaxTypedArity || rows > 64) {  // dynamic edges, and typed ones with many rows
+      storage.resize(static_cast<std::size_t>(16 * count + rows));
+      many.resize(static_cast<std::size_t>(count));
+      buffer = storage.data();
+      blended = many.data();
+    }
+    for (int i = 0; i < count; ++i) {
+      const bool keep = i < kMaxTypedArity && (excluded >> i & 1u) != 0;
+      blended[i] = Blend(ops_of(i), states[i], keep ? nullptr : points[i], buffer + 16 * i);
+    }
+    return Evaluate(edge, states, residual, nullptr) &&
+           Evaluate(edge, blended, buffer + 16 * count, jacobians);
+  }
+
+  // Vertices 0 and 1; the one that is observed from is the target, or the pose of a pose and a
+  // point. Its Jacobian at x is needed in any case.
+  const bool is_pose = rule == FirstEstimateRule::kRelativePose;
+  const int observer = is_pose ? 1 : 0;
+  constexpr int kMaxRows = 16;
+  double J_observer[6 * kMaxRows];
+  if (rows > kMaxRows) return false;
+  double* at_x[kMaxTypedArity];
+  std::copy_n(jacobians, count, at_x);
+  at_x[observer] = J_observer;
+  at_x[1 - observer] = nullptr;
+  if (!Evaluate(edge, states, residual, at_x)) return false;
+  const double* lin[2];
+  for (int i = 0; i < 2; ++i)
+    lin[i] = points[i] != nullptr ? points[i] : states[i];
+  if (is_pose) {
+    MoveRelativePose(rows, states[1], lin[0], lin[1], J_observer, jacobians[0], jacobians[1]);
+  } else {
+    MoveRelativePoint(rows, states[0], lin[0], lin[1], J_observer, jacobians[0], jacobians[1]);
+  }
+  return true;
+}
+
+void Graph::SetFirstEstimates(FirstEstimates mode) {
+  if (mode == first_estimates_) return;
+  first_estimates_ = mode;
+  StructureChanged();  // another path may be the right one for some edges
+}
+
+bool Graph::HasFirstEstimate(AnyVertex vertex) const {
+  const VertexSite site = Locate(vertex);
+  return site.pool != nullptr && site.pool->first_estimates().At(site.index) != nullptr;
+}
+
+std::span<const double> Graph::LinearizationPoint(AnyVertex vertex) const {
+  const VertexSite site = Locate(vertex);
+  if (site.pool == nullptr) return {};
+  const double* x = site.pool->first_estimates().At(site.index);
+  if (x == nullptr) x = static_cast<const VertexPoolBase*>(site.pool)->Data(site.index);
+  return {x, static_cast<std::size_t>(site.pool->ops().ambient_dim)};
+}
+
+Status Graph::SetFirstEstimate(AnyVertex vertex, std::span<const double> x_lin) {
+  const VertexSite site = Locate(vertex);
+  if (site.pool == nullptr) {
+    return {StatusCode::kUnknownHandle, "vertex " + ToString(vertex) + " is not in this graph",
+            vertex};
+  }
+  if (x_lin.size() != static_cast<std::size_t>(site.pool->ops().ambient_dim)) {
+    return {StatusCode::kInvalidArgument,
+            "SetFirstEstimate: " + ToString(vertex) + " has another number of coordinates", vertex};
+  }
+  if (!internal::AllFinite(x_lin.data(), static_cast<int>(x_lin.size()))) {
+    return {StatusCode::kNotFinite,
+            "SetFirstEstimate: linearization point of " + ToString(vertex) + " is not finite",
+            vertex};
+  }
+  EnterFirstEstimate(site, x_lin.data());
+  return {};
+}
+
+void Graph::EnterFirstEstimate(const VertexSite& site, const double* x_lin) {
+  if (site.pool->first_estimates().At(site.index) == nullptr) StructureChanged();
+  site.pool->SetFirstEstimate(site.index, x_lin);
+}
+
+void Graph::EnterFirstEstimates(const DynamicEdge& edge, std::span<const AnyVertex> vertices) {
+  const double* x0 = edge.LinearizationPoint();
+  if (x0 == nullptr) return;
+  for (const AnyVertex& vertex : vertices) {
+    const VertexSite site = Locate(vertex);
+    if (site.pool->first_estimates().At(site.index) == nullptr) EnterFirstEstimate(site, x0);
+    x0 += site.pool->ops().ambient_dim;
+  }
+}
+
+bool Graph::HasPriorOn(const VertexPoolBase& pool, int index) const {
+  const EdgePoolBase* edges = EdgePoolOf(&kTypeInfo<DynamicEdge>);
+  for (int edge = 0; edges != nullptr && edge < edges->size(); ++edge) {
+    if (!edges->Alive(edge) ||
+        static_cast<const DynamicEdgePool*>(edges)->At(edge).LinearizationPoint() == nullptr) {
+      continue;
+    }
+    for (int i = 0; i < edges->arity(edge); ++i) {
+      if (edges->vertex_pool(edge, i) == &pool &&
+          pool.slots().IndexOf(edges->vertex_address(edge, i).slot) == index) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+void Graph::DropOrphanedFirstEstimates() {
+  for (const auto& pool : vertex_pools_) {
+    for (int k = 0; k < pool->size() && !pool->first_estimates().empty(); ++k) {
+      if (pool->first_estimates().At(k) != nullptr && !HasPriorOn(*pool, k)) {
+        pool->DropFirstEstimate(k);
+      }
+    }
+  }
+}
+
+void Graph::AddFirstEstimatesTo(Snapshot* snapshot) const {
+  for (const auto& pool : vertex_pools_) {
+    for (int k = 0; k < pool->size(); ++k) {
+      const double* x = pool->first_estimates().At(k);
+      if (x == nullptr) continue;
+      snapshot->first_estimate_vertices.push_back(pool->HandleAt(k));
+      snapshot->first_estimates.insert(snapshot->first_estimates.end(), x,
+                                       x + pool->ops().ambient_dim);
+    }
+  }
+}
+
+Status Graph::CheckFirstEstimates(const Snapshot& snapshot) const {
+  std::size_t size = 0;
+  for (const AnyVertex& vertex : snapshot.first_estimate_vertices) {
+    const VertexSite site = Locate(vertex);
+    if (site.pool == nullptr) {
+      return {StatusCode::kInvalidArgument,
+              "RestoreSnapshot: a linearization point of a vertex that is not in the graph",
+              vertex};
+    }
+    size += static_cast<std::size_t>(site.pool->ops().ambient_dim);
+  }
+  if (size != snapshot.first_estimates.size()) {
+    return {StatusCode::kInvalidArgument,
+            "RestoreSnapshot: linearization points of another number of coordinates"};
+  }
+  return ValidateFinite(snapshot.first_estimates.data(), static_cast<int>(size),
+                        "linearization points of a snapshot");
+}
+
+void Graph::RestoreFirstEstimates(const Snapshot& snapshot) {
+  const double* x = snapshot.first_estimates.data();
+  int same = 0, present = 0;
+  for (const auto& pool : vertex_pools_)
+    present += pool->first_estimates().count();
+  for (const AnyVertex& vertex : snapshot.first_estimate_vertices) {
+    const VertexSite site = Locate(vertex);
+    if (site.pool->first_estimates().At(site.index) != nullptr) ++same;
+  }
+  if (same != present || present != static_cast<int>(snapshot.first_estimate_vertices.size())) {
+    for (const auto& pool : vertex_pools_) {
+      for (int k = 0; k < pool->size(); ++k)
+        pool->DropFirstEstimate(k);
+    }
+    StructureChanged();
+  }
+  for (const AnyVertex& vertex : snapshot.first_estimate_vertices) {
+    const VertexSite site = Locate(vertex);
+    site.pool->SetFirstEstimate(site.index, x);
+    x += site.pool->ops().ambient_dim;
+  }
+}
+
+}  // namespace glissade
