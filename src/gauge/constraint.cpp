@@ -157,4 +157,13 @@ OrbitMotion GaugeConstraint::MotionTo(const double* anchor, const double* second
   return g;
 }
 
+void Remember(const GaugeReference& reference, Graph* graph) {
+  for (GaugeReference& known : graph->gauge_references()) {
+    if (known.anchor != reference.anchor) continue;
+    known = reference;
+    return;
+  }
+  graph->gauge_references().push_back(reference);
+}
+
 }  // namespace glissade

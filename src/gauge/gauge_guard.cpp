@@ -13,15 +13,6 @@ namespace glissade {
 
 namespace {
 
-void Remember(const GaugeReference& reference, Graph* graph) {
-  for (GaugeReference& known : graph->gauge_references()) {
-    if (known.anchor != reference.anchor) continue;
-    known = reference;
-    return;
-  }
-  graph->gauge_references().push_back(reference);
-}
-
 /// What Fixed holds, beside what the graph holds already.
 std::vector<FreeTangent> HoldsOf(const GaugeConstraint& constraint, const Graph& graph) {
   const GaugeReference& reference = constraint.reference;

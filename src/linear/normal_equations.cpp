@@ -138,6 +138,7 @@ StepFailure NormalEquations::CheckCosts(const Structure& structure, const Graph&
 Status NormalEquations::Linearize(const Structure& structure, Graph* graph, ThreadPool* threads,
                                   double* cost) {
   Resize(structure);
+  linearized_ = 0;
   point_.Keep(*graph);
   for (FreeTangent& tangent : graph->free_tangents()) {
     const VertexPoolBase* pool = graph->PoolOf(tangent.vertex.type);
@@ -181,6 +182,7 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
     diagonal_[first_lane + k] = reprojections_->h()[k];
     b_[first_lane + k] = reprojections_->b()[k];
   }
+  linearized_ = structure.analysis();
   return {};
 }
 

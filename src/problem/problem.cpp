@@ -49,6 +49,16 @@ const SolveSummary& Problem::Solve(const SolveOptions& options) {
   return glissade::Solve(this, &workspace_->solver, options);
 }
 
+Result<NullspaceReport> Problem::CheckNullspace(const NullspaceOptions& options) {
+  if (workspace_ != nullptr) {
+    SolverWorkspace& w = workspace_->solver;
+    if (w.structure.IsCurrent(*this) && w.equations.IsLinearized(w.structure)) {
+      return glissade::CheckNullspace(*this, w.structure, &w.equations, options);
+    }
+  }
+  return glissade::CheckNullspace(static_cast<Graph*>(this), options);
+}
+
 Status Problem::MakeHessian() {
   if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();
   Workspace& w = *workspace_;

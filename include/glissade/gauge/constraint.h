@@ -35,4 +35,7 @@ struct GaugeConstraint {
   [[nodiscard]] OrbitMotion MotionTo(const double* anchor, const double* second) const;
 };
 
+/// Makes it what the graph remembers for its anchor.
+void Remember(const GaugeReference& reference, Graph* graph);
+
 }  // namespace glissade

@@ -90,6 +90,10 @@ class NormalEquations {
   /// diag(H), in the order of step(); 0 where a coordinate is held.
   [[nodiscard]] const std::vector<double>& diagonal() const { return diagonal_; }
 
+  /// Whether H and b are those of a linearization with this structure.
+  [[nodiscard]] bool IsLinearized(const Structure& structure) const {
+    return linearized_ != 0 && linearized_ == structure.analysis();
+  }
   /// Where the last Linearize() was.
   [[nodiscard]] const LinearizedStates& point() const { return point_; }
   [[nodiscard]] const std::vector<double>& h_pp() const { return h_pp_[0]; }
@@ -139,6 +143,7 @@ class NormalEquations {
   std::vector<BlockIndex> reduced_pattern_;
   std::unique_ptr<ReprojectionTerms> reprojections_;
   std::uint64_t pattern_version_ = 0;
+  std::uint64_t linearized_ = 0;  // the analysis that H and b belong to
 };
 
 }  // namespace glissade

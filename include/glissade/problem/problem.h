@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "glissade/gauge/nullspace.h"
 #include "glissade/graph/builtin_vertices.h"
 #include "glissade/graph/graph.h"
 #include "glissade/minimizer/options.h"
@@ -28,6 +29,11 @@ class Problem : public Graph {
   /// Minimizes the cost from the present values and leaves the best state found. The summary is
   /// kept by the Problem until the next solve; copy it to keep it longer.
   const SolveSummary& Solve(const SolveOptions& options = {});
+
+  /// How far H is from having the null space that the measurements have (gauge/nullspace.h): from
+  /// the linearization that the last solve or MakeHessian() left where it was of this structure and
+  /// free of a gauge, else from a fresh one.
+  Result<NullspaceReport> CheckNullspace(const NullspaceOptions& options = {});
 
   /// A deep copy of the graph; handles are valid in the copy.
   [[nodiscard]] Problem Clone() const { return Problem(Graph::Clone()); }

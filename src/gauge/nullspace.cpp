@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/gauge/nullspace.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gauge/gauge_breaches.h"
+#include "gauge/gauge_vectors.h"
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// sum[k] += factor * x_k' A y_k for columns k of x (rows x n) and y (cols x n); all row-major.
+void AddForms(double factor, int n, int rows, int cols, const double* A, const double* x,
+              const double* y, double* sum) {
+  for (int r = 0; r < rows; ++r, x += n, A += cols) {
+    double row[Orbit::kMaxDim] = {};
+    for (int c = 0; c < cols; ++c) {
+      for (int k = 0; k < n; ++k)
+        row[k] += A[c] * y[c * n + k];
+    }
+    for (int k = 0; k < n; ++k)
+      sum[k] += factor * x[k] * row[k];
+  }
+}
+
+struct Forms {
+  double total[Orbit::kMaxDim] = {};
+  double by_vertex[Orbit::kMaxDim] = {};
+};
+
+/// u'Hu and sum_k u_k'H_kk u_k from the blocks.
+Forms FormsOf(const Graph& graph, const Structure& structure, NormalEquations* equations,
+              const GaugeVectors& vectors) {
+  const int n = vectors.dim();
+  Forms forms;
+  for (const PoseBlockPair& pair : structure.h_blocks()) {
+    const double* x = vectors.Pose(pair.row);
+    const double* y = vectors.Pose(pair.col);
+    if (x == nullptr || y == nullptr) continue;
+    const int rows = structure.poses()[Index(pair.row)].dim;
+    const int cols = structure.poses()[Index(pair.col)].dim;
+    const double* H = equations->h_pp().data() + pair.offset;
+    if (pair.row != pair.col) {
+      AddForms(2.0, n, rows, cols, H, x, y, forms.total);
+    } else {
+      AddForms(1.0, n, rows, cols, H, x, y, forms.by_vertex);
+    }
+  }
+  for (std::size_t l = 0; l < structure.landmarks().size(); ++l) {
+    const LandmarkBlock& landmark = structure.landmarks()[l];
+    const double* u = vectors.Landmark(static_cast<int>(l));
+    if (u == nullptr) continue;
+    const double* H_ll = equations->landmark_buffer().data() + landmark.record;
+    AddForms(1.0, n, landmark.dim, landmark.dim, H_ll, u, u, forms.by_vertex);
+    const double* W = H_ll + landmark.dim * landmark.dim + landmark.dim;
+    for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
+      const int rows = structure.slot_dim()[Index(s)];
+      const double* x = vectors.Pose(structure.slot_block()[Index(s)]);
+      if (x != nullptr) AddForms(2.0, n, rows, landmark.dim, W, x, u, forms.total);
+      W += rows * landmark.dim;
+    }
+  }
+  for (int k = 0; k < n; ++k)
+    forms.total[k] += forms.by_vertex[k];
+  if (vectors.has_lanes()) {
+    // Fused inverse depths move with the scale only, the last direction.
+    const int k = n - 1;
+    const std::vector<double> u = vectors.Whole(structure, k);
+    forms.total[k] = equations->QuadraticForm(structure, graph, u);
+    for (std::size_t i = Index(structure.num_pose_scalars() + structure.reprojections().first_step);
+         i < u.size(); ++i) {
+      forms.by_vertex[k] += equations->diagonal()[i] * u[i] * u[i];
+    }
+  }
+  return forms;
+}
+
+}  // namespace
+
+double NullspaceReport::MaxKappa() const {
+  double largest = 0.0;
+  for (const NullspaceDirection& direction : directions)
+    largest = std::max(largest, direction.kappa);
+  return largest;
+}
+
+Result<NullspaceReport> CheckNullspace(const Graph& graph, const Structure& structure,
+                                       NormalEquations* equations,
+                                       const NullspaceOptions& options) {
+  if (!structure.IsCurrent(graph) || !equations->IsLinearized(structure)) {
+    return Status(StatusCode::kInvalidArgument,
+                  "CheckNullspace: there is no linearization of this graph as it is now");
+  }
+  const Result<Orbit> orbit = Orbit::Of(graph, options.group);
+  if (!orbit.ok()) return orbit.status();
+  NullspaceReport report;
+  report.group = orbit->group();
+  const GaugeVectors vectors(graph, structure, equations->point(), orbit.value(), &report.held);
+  const Forms forms = FormsOf(graph, structure, equations, vectors);
+
+  const int n = orbit->dim();
+  bool observed = false;
+  for (int k = 0; k < n; ++k) {
+    // Rounding can make a small form negative.
+    const double information = std::max(0.0, forms.total[k]);
+    const double kappa = forms.by_vertex[k] > 0.0 ? information / forms.by_vertex[k] : 0.0;
+    report.directions.push_back({GaugeDirectionName(orbit->group(), k), kappa, information});
+    observed = observed || kappa > options.tolerance;
+  }
+  if (observed) {
+    GaugeBreaches breaches(graph, equations->point(), orbit.value(), options.tolerance);
+    report.edges = breaches.Find(forms.total, forms.by_vertex);
+  }
+  return report;
+}
+
+Result<NullspaceReport> CheckNullspace(Graph* graph, const NullspaceOptions& options) {
+  Structure structure;
+  Status status = structure.Analyze(graph, {.allow_duplicate_observations = true});
+  if (!status.ok()) return status;
+  NormalEquations equations;
+  ThreadPool threads;
+  double cost = 0.0;
+  status = equations.Linearize(structure, graph, &threads, &cost);
+  if (!status.ok()) return status;
+  return CheckNullspace(*graph, structure, &equations, options);
+}
+
+}  // namespace glissade
