@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/sim/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "glissade/lie/so3.h"
+
+namespace glissade::sim {
+
+namespace {
+
+double AngleBetween(const VertexPose& a, const VertexPose& b) {
+  return so3::Log(Quaternion(a.pose.q().conjugate() * b.pose.q())).norm();
+}
+
+}  // namespace
+
+YawTranslation AlignPose(const VertexPose& estimate, const VertexPose& truth) {
+  const Quaternion q = estimate.pose.q() * truth.pose.q().conjugate();
+  YawTranslation motion;
+  motion.yaw = -2.0 * std::atan2(q.z(), q.w());
+  const Matrix3 R = so3::Exp(Vector3(0, 0, motion.yaw));
+  const Vector3 t = truth.pose.p() - R * estimate.pose.p();
+  for (int i = 0; i < 3; ++i)
+    motion.t[i] = t[i];
+  return motion;
+}
+
+ViStates Moved(const ViStates& states, const YawTranslation& motion) {
+  const Vector3 axis(0, 0, motion.yaw), t(motion.t[0], motion.t[1], motion.t[2]);
+  const Pose g(so3::ExpQuaternion(axis), t);
+  const Matrix3 R = so3::Exp(axis);
+  ViStates moved = states;
+  for (VertexPose& x : moved.poses) {
+    x.pose = g * x.pose;
+    x.pose.Normalize();
+  }
+  for (VertexSpeedBias& x : moved.speed_biases)
+    x.v() = Vector3(R * x.v());
+  for (VertexPointXYZ& x : moved.points)
+    x.p() = Vector3(R * x.p() + t);
+  return moved;
+}
+
+Result<ViErrors> AlignedErrors(const ViStates& estimate, const ViStates& truth) {
+  const std::size_t n = truth.poses.size();
+  if (n == 0 || estimate.poses.size() != n || estimate.speed_biases.size() != n ||
+      truth.speed_biases.size() != n) {
+    return Status(StatusCode::kInvalidArgument, "estimate and truth differ in number");
+  }
+  const ViStates x = Moved(estimate, AlignPose(estimate.poses[0], truth.poses[0]));
+  double p = 0.0, theta = 0.0, v = 0.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    p += (x.poses[k].pose.p() - truth.poses[k].pose.p()).squaredNorm();
+    v += (x.speed_biases[k].v() - truth.speed_biases[k].v()).squaredNorm();
+    const double angle = AngleBetween(x.poses[k], truth.poses[k]);
+    theta += angle * angle;
+  }
+  const auto rms = [&](double sum) { return std::sqrt(sum / static_cast<double>(n)); };
+  return ViErrors{rms(p), 180.0 / std::numbers::pi * rms(theta), rms(v)};
+}
+
+ViDifference AlignedDifference(const ViStates& a, const ViStates& b, const ViStates& truth) {
+  const ViStates x = Moved(a, AlignPose(a.poses[0], truth.poses[0]));
+  const ViStates y = Moved(b, AlignPose(b.poses[0], truth.poses[0]));
+  ViDifference most;
+  for (std::size_t k = 0; k < x.poses.size() && k < y.poses.size(); ++k) {
+    const Vector3 dp = x.poses[k].pose.p() - y.poses[k].pose.p();
+    const Vector3 dv = x.speed_biases[k].v() - y.speed_biases[k].v();
+    most.position_m = std::max(most.position_m, dp.cwiseAbs().maxCoeff());
+    most.velocity_mps = std::max(most.velocity_mps, dv.cwiseAbs().maxCoeff());
+    most.rotation_rad = std::max(most.rotation_rad, AngleBetween(x.poses[k], y.poses[k]));
+  }
+  return most;
+}
+
+}  // namespace glissade::sim
