@@ -3,6 +3,7 @@
 #include "glissade/edges/marginal_prior.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "glissade/vertices/point_xyz.h"
 #include "glissade/vertices/pose.h"
 #include "glissade/vertices/speed_bias.h"
+#include "kernels/kernels.h"
 
 namespace glissade {
 
@@ -21,8 +23,6 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using ConstMatrixMap = Eigen::Map<const RowMajor>;
-using ConstVectorMap = Eigen::Map<const Eigen::VectorXd>;
-using VectorMap = Eigen::Map<Eigen::VectorXd>;
 
 /// Scratch of a thread: it grows to the largest prior once, so that solving again allocates
 /// nothing.
@@ -74,10 +74,39 @@ void MinusJacobian(const VertexOps& ops, const double* x, const double* x0, doub
 struct EdgeMarginalPrior::Data {
   std::vector<const VertexOps*> types;
   std::vector<double> x0, r0, jacobian, hessian;
+  std::vector<std::int32_t> begin;  // first column of each row that is not zero
   int tangent_dim = 0;
 
   [[nodiscard]] int rows() const { return static_cast<int>(r0.size()); }
+  [[nodiscard]] const double* Row(int row) const {
+    return jacobian.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(tangent_dim);
+  }
   [[nodiscard]] ConstMatrixMap J() const { return {jacobian.data(), rows(), tangent_dim}; }
+
+  /// H = J'J, and where the rows of J begin: priors are triangular as a rule.
+  void Prepare() {
+    const int n = tangent_dim;
+    begin.resize(r0.size());
+    for (int row = 0; row < rows(); ++row) {
+      int c = 0;
+      while (c < n && Row(row)[c] == 0.0)
+        ++c;
+      begin[static_cast<std::size_t>(row)] = c;
+    }
+    hessian.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), 0.0);
+    const auto& add_products = kernels::Kernels().syrk_lower_add;
+    constexpr int kRows = 24;
+    for (int row = 0; row < rows(); row += kRows) {
+      const int count = std::min(kRows, rows() - row);
+      const int first = *std::min_element(begin.begin() + row, begin.begin() + row + count);
+      // Rows of a row-major matrix are columns of a column-major one.
+      add_products(
+          n - first, count, Row(row) + first, n,
+          hessian.data() + static_cast<std::size_t>(first) * static_cast<std::size_t>(n + 1), n);
+    }
+    Eigen::Map<Eigen::MatrixXd> H(hessian.data(), n, n);
+    H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
+  }
 
   /// dx = x boxminus x0 and r = r0 + J dx.
   void Residual(std::span<const VertexRef> vertices, double* dx, double* r) const {
@@ -88,48 +117,70 @@ struct EdgeMarginalPrior::Data {
       origin += types[i]->ambient_dim;
       delta += types[i]->tangent_dim;
     }
-    VectorMap residual(r, rows());
-    residual = ConstVectorMap(r0.data(), rows());
-    residual.noalias() += J() * ConstVectorMap(dx, tangent_dim);
+    const auto& dot = kernels::Kernels().dot;
+    for (int row = 0; row < rows(); ++row) {
+      const int first = begin[static_cast<std::size_t>(row)];
+      r[row] = r0[static_cast<std::size_t>(row)] +
+               dot(tangent_dim - first, Row(row) + first, dx + first);
+    }
   }
 };
 
-Result<std::unique_ptr<EdgeMarginalPrior>> EdgeMarginalPrior::Create(
-    std::span<const VertexOps* const> vertices, std::span<const double> x0,
-    std::span<const double> r0, std::span<const double> jacobian) {
+Status EdgeMarginalPrior::Check(std::span<const VertexOps* const> vertices,
+                                std::span<const double> x0, std::span<const double> r0,
+                                std::span<const double> jacobian) {
   const auto invalid = [](const char* what) {
     return Status(StatusCode::kInvalidArgument, std::string("EdgeMarginalPrior: ") + what);
   };
-  auto data = std::make_shared<Data>();
-  std::size_t ambient = 0;
+  std::size_t ambient = 0, tangent = 0;
   for (const VertexOps* ops : vertices) {
     if (ops == nullptr) return invalid("a vertex type is null");
     ambient += static_cast<std::size_t>(ops->ambient_dim);
-    data->tangent_dim += ops->tangent_dim;
+    tangent += static_cast<std::size_t>(ops->tangent_dim);
   }
   if (vertices.empty()) return invalid("no vertices");
   if (r0.empty()) return invalid("no rows");
   if (x0.size() != ambient) return invalid("size of x0 does not match the vertices");
-  if (jacobian.size() != r0.size() * static_cast<std::size_t>(data->tangent_dim)) {
+  if (jacobian.size() != r0.size() * tangent) {
     return invalid("size of J does not match r0 and the vertices");
   }
-  const auto finite = [](std::span<const double> x, const char* what) {
-    return ValidateFinite(x.data(), static_cast<int>(x.size()), what);
+  const auto not_finite = [](std::span<const double> x) {
+    return !internal::AllFinite(x.data(), static_cast<int>(x.size()));
   };
-  if (Status s = finite(x0, "EdgeMarginalPrior x0"); !s.ok()) return s;
-  if (Status s = finite(r0, "EdgeMarginalPrior r0"); !s.ok()) return s;
-  if (Status s = finite(jacobian, "EdgeMarginalPrior J"); !s.ok()) return s;
+  const auto refuse = [](const char* what) {
+    return Status(StatusCode::kNotFinite,
+                  std::string("EdgeMarginalPrior ") + what + " is not finite");
+  };
+  if (not_finite(x0)) return refuse("x0");
+  if (not_finite(r0)) return refuse("r0");
+  if (not_finite(jacobian)) return refuse("J");
+  return {};
+}
 
-  data->types.assign(vertices.begin(), vertices.end());
-  data->x0.assign(x0.begin(), x0.end());
-  data->r0.assign(r0.begin(), r0.end());
-  data->jacobian.assign(jacobian.begin(), jacobian.end());
-  const int n = data->tangent_dim;
-  data->hessian.resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
-  Eigen::Map<RowMajor> H(data->hessian.data(), n, n);
-  H.noalias() = data->J().transpose() * data->J();
-  if (Status s = finite(data->hessian, "EdgeMarginalPrior J'J"); !s.ok()) return s;
-  return std::unique_ptr<EdgeMarginalPrior>(new EdgeMarginalPrior(std::move(data)));
+Result<std::unique_ptr<EdgeMarginalPrior>> EdgeMarginalPrior::Create(
+    std::span<const VertexOps* const> vertices, std::span<const double> x0,
+    std::span<const double> r0, std::span<const double> jacobian) {
+  std::unique_ptr<EdgeMarginalPrior> edge(new EdgeMarginalPrior(std::make_shared<Data>()));
+  if (Status s = edge->Assign(vertices, x0, r0, jacobian); !s.ok()) return s;
+  return edge;
+}
+
+Status EdgeMarginalPrior::Assign(std::span<const VertexOps* const> vertices,
+                                 std::span<const double> x0, std::span<const double> r0,
+                                 std::span<const double> jacobian) {
+  if (Status s = Check(vertices, x0, r0, jacobian); !s.ok()) return s;
+  if (data_.use_count() > 1) data_ = std::make_shared<Data>();
+  Data& data = *data_;
+  data.types.assign(vertices.begin(), vertices.end());
+  data.x0.assign(x0.begin(), x0.end());
+  data.r0.assign(r0.begin(), r0.end());
+  data.jacobian.assign(jacobian.begin(), jacobian.end());
+  data.tangent_dim = 0;
+  for (const VertexOps* ops : vertices)
+    data.tangent_dim += ops->tangent_dim;
+  data.Prepare();
+  if (internal::AllFinite(data.hessian.data(), static_cast<int>(data.hessian.size()))) return {};
+  return {StatusCode::kNotFinite, "EdgeMarginalPrior J'J is not finite"};
 }
 
 std::span<const VertexOps* const> EdgeMarginalPrior::vertex_types() const {
@@ -198,9 +249,14 @@ bool EdgeMarginalPrior::LinearizeQuadratic(std::span<const VertexRef> vertices, 
   double* const dx = Scratch(static_cast<std::size_t>(n) + data_->r0.size());
   double* const r = dx + n;
   data_->Residual(vertices, dx, r);
-  const ConstVectorMap residual(r, data_->rows());
-  *squared_norm = residual.squaredNorm();
-  if (gradient != nullptr) VectorMap(gradient, n).noalias() = data_->J().transpose() * residual;
+  const kernels::KernelTable& k = kernels::Kernels();
+  *squared_norm = k.dot(data_->rows(), r, r);
+  if (gradient == nullptr) return true;
+  std::fill_n(gradient, n, 0.0);
+  for (int row = 0; row < data_->rows(); ++row) {
+    const int first = data_->begin[static_cast<std::size_t>(row)];
+    k.axpy(n - first, r[row], data_->Row(row) + first, gradient + first);
+  }
   return true;
 }
 

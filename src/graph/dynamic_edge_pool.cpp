@@ -29,7 +29,12 @@ EdgeHandle<DynamicEdge> DynamicEdgePool::Add(std::unique_ptr<DynamicEdge> edge,
                                              std::span<const Vertex> vertices, const Loss& loss,
                                              std::uint64_t stamp) {
   const auto address = slots_.Add(stamp);
-  items_.emplace_back();
+  if (spare_.empty()) {
+    items_.emplace_back();
+  } else {
+    items_.push_back(std::move(spare_.back()));
+    spare_.pop_back();
+  }
   Entry& item = items_.back();
   item.edge = std::move(edge);
   item.vertices.assign(vertices.begin(), vertices.end());
@@ -152,10 +157,15 @@ void DynamicEdgePool::Add(const Entry& item, const std::int32_t* words, const do
         }
       }
       if (out == nullptr) continue;
-      for (int r = 0; r < dim(i); ++r) {
-        for (int c = 0; c < dim(j); ++c) {
-          const double value = H[(row + r) * stride + col + c];
-          (transposed ? out[c * dim(i) + r] : out[r * dim(j) + c]) += value;
+      const int rows = dim(i), cols = dim(j);
+      for (int r = 0; r < rows; ++r) {
+        const double* from = H + (row + r) * stride + col;
+        if (transposed) {
+          for (int c = 0; c < cols; ++c)
+            out[c * rows + r] += from[c];
+        } else {
+          for (int c = 0; c < cols; ++c)
+            out[r * cols + c] += from[c];
         }
       }
     }
@@ -326,7 +336,11 @@ void DynamicEdgePool::Compact() {
     std::swap(items_[t], items_[f]);
     loss_of_edge_[t] = loss_of_edge_[f];
   });
-  items_.resize(static_cast<std::size_t>(slots_.Size()));
+  while (items_.size() > static_cast<std::size_t>(slots_.Size())) {
+    items_.back().edge.reset();
+    spare_.push_back(std::move(items_.back()));
+    items_.pop_back();
+  }
   loss_of_edge_.resize(static_cast<std::size_t>(slots_.Size()));
 }
 

@@ -141,8 +141,10 @@ Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge
   if (vertices.empty())
     return Status(StatusCode::kInvalidArgument, "dynamic edge without vertices");
   if (Status status = CheckEdgeVertices(vertices, "dynamic edge"); !status.ok()) return status;
-  std::vector<const VertexOps*> ops;
-  std::vector<DynamicEdgePool::Vertex> sites;
+  std::vector<const VertexOps*>& ops = added_ops_;
+  std::vector<DynamicEdgePool::Vertex>& sites = added_vertices_;
+  ops.clear();
+  sites.clear();
   for (const AnyVertex& vertex : vertices) {
     const VertexSite site = Locate(vertex);
     ops.push_back(&site.pool->ops());

@@ -78,6 +78,15 @@ struct KernelTable {
   void (*gemm_nt_add)(int m, int n, int k, const double* a, int lda, const double* b, int ldb,
                       double* c, int ldc);
 
+  // ---- Square-root marginalization ----------------------------------------------------------
+
+  /// Householder reflection that makes column `col` of a row-major panel zero below its first row,
+  /// applied to columns [col, cols). Rows have `stride` numbers, a multiple of 8 and >= cols. What
+  /// lies before col must be zero, and what lies between cols and stride is reflected too. v:
+  /// scratch of `rows` numbers. Returns the new first number of the column; nothing is done where
+  /// the column is zero below it.
+  double (*householder_column)(int rows, int col, int cols, double* a, int stride, double* v);
+
   // ---- Landmark elimination ---------------------------------------------------------------------
 
   /// S -= Y W' for one landmark of tangent dimension dl (1 to 4) that touches m blocks:

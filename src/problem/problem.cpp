@@ -20,6 +20,7 @@ std::size_t Index(std::int64_t i) {
 class Workspace {
  public:
   SolverWorkspace solver;
+  MarginalWorkspace marginal;
   bool linearized = false;
   bool solved = false;
   bool updated = false;
@@ -57,6 +58,12 @@ Result<NullspaceReport> Problem::CheckNullspace(const NullspaceOptions& options)
     }
   }
   return glissade::CheckNullspace(static_cast<Graph*>(this), options);
+}
+
+Result<Marginalization> Problem::Marginalize(std::span<const AnyVertex> vertices,
+                                             const MarginalizeOptions& options) {
+  if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();  // moved from
+  return glissade::Marginalize(this, vertices, options, &workspace_->marginal);
 }
 
 Status Problem::MakeHessian() {

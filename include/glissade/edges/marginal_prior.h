@@ -28,6 +28,11 @@ class EdgeMarginalPrior final : public DynamicEdge {
       std::span<const VertexOps* const> vertices, std::span<const double> x0,
       std::span<const double> r0, std::span<const double> jacobian);
 
+  /// The same with the storage of this edge, if no copy shares it: allocates nothing if the new
+  /// numbers are not more. On failure the edge is as it was. Not while it is in a graph.
+  Status Assign(std::span<const VertexOps* const> vertices, std::span<const double> x0,
+                std::span<const double> r0, std::span<const double> jacobian);
+
   [[nodiscard]] std::span<const VertexOps* const> vertex_types() const;
   [[nodiscard]] std::span<const double> x0() const;
   [[nodiscard]] std::span<const double> r0() const;
@@ -49,9 +54,11 @@ class EdgeMarginalPrior final : public DynamicEdge {
 
  private:
   struct Data;
-  explicit EdgeMarginalPrior(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+  explicit EdgeMarginalPrior(std::shared_ptr<Data> data) : data_(std::move(data)) {}
+  static Status Check(std::span<const VertexOps* const> vertices, std::span<const double> x0,
+                      std::span<const double> r0, std::span<const double> jacobian);
 
-  std::shared_ptr<const Data> data_;
+  std::shared_ptr<Data> data_;  // shared by copies; not written while it is
 };
 
 namespace internal {

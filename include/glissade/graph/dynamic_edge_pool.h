@@ -27,6 +27,12 @@ class DynamicEdgePool final : public EdgePoolBase {
   [[nodiscard]] const DynamicEdge& At(int edge) const { return *EntryAt(edge).edge; }
   [[nodiscard]] DynamicEdge& At(int edge) { return *items_[static_cast<std::size_t>(edge)].edge; }
 
+  /// Takes the edge object out of an edge that has been removed (before the next Compact), so that
+  /// its storage can serve again; null if it was taken before.
+  std::unique_ptr<DynamicEdge> TakeRemoved(int edge) {
+    return std::move(items_[static_cast<std::size_t>(edge)].edge);
+  }
+
   [[nodiscard]] int arity(int edge) const override {
     return static_cast<int>(EntryAt(edge).vertices.size());
   }
@@ -84,6 +90,7 @@ class DynamicEdgePool final : public EdgePoolBase {
                   const double* gradient, NormalEquationsSink* sink);
 
   std::vector<Entry> items_;
+  std::vector<Entry> spare_;  // of edges that are gone: their vectors serve again
 };
 
 }  // namespace glissade

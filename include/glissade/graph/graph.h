@@ -237,6 +237,9 @@ class Graph {
   std::vector<FreeTangent> free_tangents_, saved_free_tangents_;
   TemporaryHold hold_;
   std::vector<GaugeReference> gauge_references_;
+  // Of AddEdge, kept so that adding a dynamic edge allocates nothing by itself.
+  std::vector<const VertexOps*> added_ops_;
+  std::vector<DynamicEdgePool::Vertex> added_vertices_;
   FirstEstimates first_estimates_ = FirstEstimates::kPriorOnly;
   std::uint64_t structure_version_ = 1;
   std::uint64_t weights_version_ = 1;

@@ -3,12 +3,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <initializer_list>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "glissade/covariance/covariance.h"
+#include "glissade/gauge/move.h"
 #include "glissade/gauge/nullspace.h"
 #include "glissade/graph/builtin_vertices.h"
 #include "glissade/graph/graph.h"
+#include "glissade/marginal/marginalize.h"
+#include "glissade/marginal/schur_complement.h"
 #include "glissade/minimizer/options.h"
 #include "glissade/minimizer/summary.h"
 
@@ -34,6 +40,30 @@ class Problem : public Graph {
   /// the linearization that the last solve or MakeHessian() left where it was of this structure and
   /// free of a gauge, else from a fresh one.
   Result<NullspaceReport> CheckNullspace(const NullspaceOptions& options = {});
+  /// Slides the scene along its orbit until the gauge's anchor is at its reference (gauge/move.h).
+  Status MoveToGauge(const Gauge& gauge, const MoveOptions& options = {}) {
+    return glissade::MoveToGauge(this, gauge, options);
+  }
+  /// The joint covariance of some vertices (covariance/covariance.h; a Covariance object answers
+  /// further questions without another factorization).
+  [[nodiscard]] Result<JointCovariance> ComputeCovariance(std::span<const AnyVertex> vertices,
+                                                          const CovarianceOptions& options = {}) {
+    return glissade::ComputeCovariance(this, vertices, options);
+  }
+
+  /// Takes vertices and the edges that touch them out of the graph and puts a marginal prior in
+  /// their place; glissade::Marginalize (marginal/marginalize.h) with storage that is kept.
+  Result<Marginalization> Marginalize(std::span<const AnyVertex> vertices,
+                                      const MarginalizeOptions& options = {});
+  Result<Marginalization> Marginalize(std::initializer_list<AnyVertex> vertices,
+                                      const MarginalizeOptions& options = {}) {
+    return Marginalize(std::span<const AnyVertex>(vertices.begin(), vertices.size()), options);
+  }
+  /// That prior alone; the graph is not changed.
+  [[nodiscard]] Result<MarginalPrior> ComputeMarginalPrior(
+      std::span<const AnyVertex> vertices, const MarginalizeOptions& options = {}) const {
+    return glissade::ComputeMarginalPrior(*this, vertices, options);
+  }
 
   /// A deep copy of the graph; handles are valid in the copy.
   [[nodiscard]] Problem Clone() const { return Problem(Graph::Clone()); }

@@ -5,6 +5,7 @@
 // The table is the only symbol such an object exports.
 
 #include "kernels/impl/cholesky.h"
+#include "kernels/impl/householder.h"
 #include "kernels/impl/partial.h"
 #include "kernels/impl/rank_update.h"
 #include "kernels/impl/reprojection.h"
@@ -47,6 +48,7 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .syrk_lower_add = SyrkLowerAdd,
     .gemm_nt_sub = GemmNtSub,
     .gemm_nt_add = GemmNtAdd,
+    .householder_column = HouseholderColumn,
     .schur_update = SchurUpdate,
     .reprojection_linearize = ReprojectionLinearize,
     .reprojection_cost = ReprojectionCost,

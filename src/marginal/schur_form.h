@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "marginal/dense_schur.h"
+#include "marginal/system.h"
+
+namespace glissade::internal {
+
+/// Marginalization by Schur complements: landmark by landmark in products of their own rows, then
+/// the dense part, then a square root of the information that is left.
+class SchurForm {
+ public:
+  Status Run(MarginalSystem* system, const MarginalizeOptions& options, MarginalReport* report,
+             std::vector<double>* r0, std::vector<double>* jacobian);
+  /// The augmented information matrix before the dense part was eliminated would be void now; this
+  /// is what was left of it: n + 1 columns of the given leading dimension, lower triangle.
+  [[nodiscard]] const double* reduced() const { return reduced_; }
+  [[nodiscard]] int reduced_stride() const { return stride_; }
+
+ private:
+  void AddProducts(const MarginalSystem& system, const RowPanel& panel);
+  void AddPrior(const MarginalSystem& system, const MarginalEdge& edge);
+
+  RowPanel panel_;
+  std::vector<double> A_, products_;
+  std::vector<std::int32_t> column_of_;
+  const double* reduced_ = nullptr;
+  int stride_ = 0;
+  DenseScratch scratch_;
+  std::vector<unsigned char> weak_;
+};
+
+}  // namespace glissade::internal

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "marginal/staircase_qr.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/kernels.h"
+
+namespace glissade::internal {
+
+namespace {
+std::size_t Index(int i) {
+  return static_cast<std::size_t>(i);
+}
+}  // namespace
+
+void StaircaseQr::Resize(int num_rows, int num_columns) {
+  num_rows_ = num_rows;
+  num_columns_ = num_columns;
+  stride_ = (num_columns + 1 + 7) / 8 * 8;
+  data_.assign(Index(num_rows) * Index(stride_), 0.0);
+  begin_.assign(Index(num_rows), 0);
+  scratch_.reflector.resize(std::max(scratch_.reflector.size(), Index(num_rows) + 1));
+}
+
+int EliminateColumns(int rows, int num_going, int num_columns, double* data, int stride,
+                     double relative_cut, QrScratch* scratch,
+                     std::vector<std::int32_t>* deficient) {
+  scratch->column_of.resize(Index(num_going));
+  scratch->length.resize(Index(num_going));
+  scratch->reflector.resize(std::max(scratch->reflector.size(), Index(rows) + 1));
+  const auto squared = [&](int first_row, int c) {
+    double sum = 0.0;
+    for (int row = first_row; row < rows; ++row) {
+      const double x = data[Index(row) * Index(stride) + Index(c)];
+      sum += x * x;
+    }
+    return sum;
+  };
+  for (int c = 0; c < num_going; ++c) {
+    scratch->column_of[Index(c)] = c;
+    scratch->length[Index(c)] = squared(0, c);
+  }
+  const auto& reflect = kernels::Kernels().householder_column;
+  const double cut = relative_cut * relative_cut;
+  int pivot = 0;
+  for (int c = 0; c < num_going; ++c) {
+    // The column with the largest part of its length left.
+    int best = -1;
+    double best_part = cut;
+    for (int k = c; k < num_going; ++k) {
+      const double whole = scratch->length[Index(k)];
+      const double part = whole > 0.0 ? squared(pivot, k) / whole : 0.0;
+      if (part > best_part) {
+        best = k;
+        best_part = part;
+      }
+    }
+    double* const from = data + Index(pivot) * Index(stride);
+    if (best < 0) {
+      for (int k = c; k < num_going; ++k) {
+        deficient->push_back(scratch->column_of[Index(k)]);
+        for (int row = 0; row < rows - pivot; ++row)
+          from[Index(row) * Index(stride) + Index(k)] = 0.0;
+      }
+      break;
+    }
+    if (best != c) {
+      for (int row = 0; row < rows - pivot; ++row) {
+        double* const x = from + Index(row) * Index(stride);
+        std::swap(x[c], x[best]);
+      }
+      std::swap(scratch->column_of[Index(c)], scratch->column_of[Index(best)]);
+      std::swap(scratch->length[Index(c)], scratch->length[Index(best)]);
+    }
+    reflect(rows - pivot, c, num_columns + 1, from, stride, scratch->reflector.data());
+    ++pivot;
+  }
+  return pivot;
+}
+
+int StaircaseQr::Reduce(int num_going, double relative_cut) {
+  deficient_.clear();
+  int begun = 0;
+  while (begun < num_rows_ && begin_[Index(begun)] < num_going)
+    ++begun;
+  result_begin_ = EliminateColumns(begun, num_going, num_columns_, data_.data(), stride_,
+                                   relative_cut, &scratch_, &deficient_);
+  const auto& reflect = kernels::Kernels().householder_column;
+  int pivot = result_begin_, active = pivot;
+  for (int c = num_going; c < num_columns_; ++c) {
+    while (active < num_rows_ && begin_[Index(active)] <= c)
+      ++active;
+    if (active == pivot) continue;
+    // A column of zeros has no row of its own; one of rounding errors has, and does no harm.
+    if (reflect(active - pivot, c, num_columns_ + 1, Row(pivot), stride_,
+                scratch_.reflector.data()) != 0.0) {
+      ++pivot;
+    }
+  }
+  result_end_ = pivot;
+  squared_rest_ = 0.0;
+  for (int row = pivot; row < num_rows_; ++row)
+    squared_rest_ += Row(row)[num_columns_] * Row(row)[num_columns_];
+  return static_cast<int>(deficient_.size());
+}
+
+}  // namespace glissade::internal
