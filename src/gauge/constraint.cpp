@@ -76,14 +76,19 @@ Result<GaugeConstraint> GaugeConstraint::Of(const Gauge& gauge, const Orbit& orb
     reference.axis = known->axis;
     reference.coordinate = known->coordinate;
   } else {
-    const Vector3 b = Baseline(anchor->pose.data, other->pose.data, out.lever);
-    b.cwiseAbs().maxCoeff(&reference.axis);
-    reference.coordinate = b[reference.axis];
+    out.SetBaseline(anchor->pose.data, other->pose.data);
   }
   if (!(std::abs(reference.coordinate) > 0.0)) {
     return Refuse("the second camera is where the anchor's is", second);
   }
   return out;
+}
+
+bool GaugeConstraint::SetBaseline(const double* anchor, const double* second) {
+  const Vector3 b = Baseline(anchor, second, lever);
+  b.cwiseAbs().maxCoeff(&reference.axis);
+  reference.coordinate = b[reference.axis];
+  return std::abs(reference.coordinate) > 0.0;
 }
 
 void GaugeConstraint::Evaluate(const double* anchor, const double* second, double* c,

@@ -21,7 +21,7 @@ struct Frame {
   Vector3 v;
 };
 
-/// A wavy path, 2 m/s, the camera looking ahead.
+/// A wavy path, 2 m/s.
 Frame FrameAt(double t) {
   Frame frame;
   const double w = 1.1;
@@ -54,9 +54,9 @@ PreintegratedImu Between(const Frame& a, const Frame& b, GraphRandom* random, do
 
 GaugeScene::GaugeScene(std::uint64_t seed, const GaugeSceneOptions& options) {
   GraphRandom random(seed);
-  // The camera looks along body x.
+  // The camera looks to the left of the way: parallax.
   Matrix3 R_b_c;
-  R_b_c << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  R_b_c << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   T_b_c = Pose(R_b_c, options.lever ? Vector3(0.12, -0.05, 0.03) : Vector3(0.0, 0.0, 0.0));
   std::vector<Frame> frames;
   const auto must = [](const auto& result) { EXPECT_TRUE(result.ok()); };

@@ -27,6 +27,10 @@ struct GaugeConstraint {
   /// camera apart from the anchor.
   static Result<GaugeConstraint> Of(const Gauge& gauge, const Orbit& orbit, const Graph& graph);
 
+  /// kMono: names the largest coordinate of the baseline between these poses, at its value now.
+  /// False if there is no baseline.
+  bool SetBaseline(const double* anchor, const double* second);
+
   /// c (dim()), and its derivatives in the tangents of anchor and second, dim() x 6 row-major,
   /// which may be null. These are the rows of V' in Eq. (14). `second` is not read but for kMono.
   void Evaluate(const double* anchor, const double* second, double* c, double* d_anchor,

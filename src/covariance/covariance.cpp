@@ -1,0 +1,297 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/covariance/covariance.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "covariance/linearized_graph.h"
+#include "kernels/kernels.h"
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
+
+Status Singular(const std::vector<AnyVertex>& vertices, int directions) {
+  std::string names;
+  const std::size_t shown = std::min<std::size_t>(vertices.size(), 20);
+  for (std::size_t k = 0; k < shown; ++k)
+    names += (k == 0 ? "" : ", ") + ToString(vertices[k]);
+  if (shown < vertices.size()) names += ", ...";
+  return {StatusCode::kSingular,
+          "Covariance: " + std::to_string(directions) + " directions without information, at " +
+              names + " (is the gauge free?)",
+          vertices.front()};
+}
+
+}  // namespace
+
+struct Covariance::Impl {
+  LinearizedGraph linear;
+  Gauge gauge;
+  Orbit orbit;
+  std::vector<AnyVertex> uninformed;
+  bool ready = false;
+  int n = 0;
+  int stride = 0;
+  std::vector<double> factor;         // Cholesky of the scaled S
+  std::vector<double> inverse_scale;  // 1 / sqrt(S_kk)
+
+  Status CheckLandmarks(double min_pivot);
+  Status Factor(double min_pivot);
+  /// H_ll^-1.
+  [[nodiscard]] Small LandmarkInverse(const LandmarkBlock& landmark) const;
+  /// A of one vertex into columns of Y (n x dim).
+  void FillColumns(const LinearizedGraph::Place& place, double* Y) const;
+};
+
+Covariance::Covariance() : impl_(std::make_unique<Impl>()) {}
+Covariance::~Covariance() = default;
+Covariance::Covariance(Covariance&&) noexcept = default;
+Covariance& Covariance::operator=(Covariance&&) noexcept = default;
+
+const std::vector<AnyVertex>& Covariance::Uninformed() const {
+  return impl_->uninformed;
+}
+
+int JointCovariance::IndexOf(AnyVertex vertex) const {
+  const auto at = std::find(vertices.begin(), vertices.end(), vertex);
+  return at == vertices.end() ? -1 : static_cast<int>(at - vertices.begin());
+}
+
+Small Covariance::Impl::LandmarkInverse(const LandmarkBlock& landmark) const {
+  const int dim = landmark.dim;
+  const Eigen::Map<const RowMajor> H(linear.equations.landmark_buffer().data() + landmark.record,
+                                     dim, dim);
+  // Scaled like S: units of a point and of its weights do not matter then.
+  const Eigen::VectorXd scale = H.diagonal().cwiseSqrt().cwiseInverse();
+  const Small scaled = scale.asDiagonal() * H * scale.asDiagonal();
+  return scale.asDiagonal() * scaled.llt().solve(Small::Identity(dim, dim)) * scale.asDiagonal();
+}
+
+Status Covariance::Impl::CheckLandmarks(double min_pivot) {
+  int directions = 0;
+  for (const LandmarkBlock& landmark : linear.structure.landmarks()) {
+    const int dim = landmark.dim;
+    const double* H = linear.equations.landmark_buffer().data() + landmark.record;
+    // Cholesky of the scaled block, pivots counted.
+    double L[16] = {};
+    int missing = 0;
+    for (int c = 0; c < dim; ++c) {
+      for (int r = c; r < dim; ++r) {
+        const double scale = std::sqrt(H[r * dim + r] * H[c * dim + c]);
+        double value = scale > 0.0 ? H[r * dim + c] / scale : 0.0;
+        for (int k = 0; k < c; ++k)
+          value -= L[r * 4 + k] * L[c * 4 + k];
+        if (r == c) {
+          const bool good = value > min_pivot;
+          missing += good ? 0 : 1;
+          L[c * 4 + c] = good ? std::sqrt(value) : 0.0;
+        } else {
+          L[r * 4 + c] = L[c * 4 + c] > 0.0 ? value / L[c * 4 + c] : 0.0;
+        }
+      }
+    }
+    if (missing == 0) continue;
+    directions += missing;
+    uninformed.push_back(linear.Handle(landmark));
+  }
+  return uninformed.empty() ? Status() : Singular(uninformed, directions);
+}
+
+Status Covariance::Impl::Factor(double min_pivot) {
+  const ReducedSystem S = linear.equations.reduced();
+  n = S.size;
+  stride = S.stride;
+  factor.assign(S.S, S.S + Index(n) * Index(stride));
+  inverse_scale.resize(Index(n));
+  for (int k = 0; k < n; ++k) {
+    // Relative to H's own diagonal: what elimination leaves of it is then told from rounding.
+    const double h =
+        linear.equations.held()[Index(k)] != 0 ? 1.0 : linear.equations.diagonal()[Index(k)];
+    inverse_scale[Index(k)] = h > 0.0 ? 1.0 / std::sqrt(h) : 0.0;
+  }
+  const auto scale = [&] {
+    for (int c = 0; c < n; ++c) {
+      double* column = factor.data() + Index(c) * Index(stride);
+      for (int r = c; r < n; ++r)
+        column[r] = S.S[Index(c) * Index(stride) + Index(r)] * inverse_scale[Index(r)] *
+                    inverse_scale[Index(c)];
+      // A coordinate that nothing sees.
+      if (inverse_scale[Index(c)] == 0.0) column[c] = 0.0;
+    }
+  };
+  scale();
+  const int failed = kernels::Kernels().cholesky(n, factor.data(), stride);
+  bool good = failed == 0;
+  for (int k = 0; good && k < n; ++k) {
+    const double pivot = factor[Index(k) * Index(stride) + Index(k)];
+    good = pivot * pivot > min_pivot;
+  }
+  if (good) return {};
+
+  // The slow way, once, to name all of them: pivots without information are skipped.
+  scale();
+  std::vector<std::uint8_t> missing(Index(n), 0);
+  int directions = 0;
+  for (int c = 0; c < n; ++c) {
+    double* column = factor.data() + Index(c) * Index(stride);
+    if (!(column[c] > min_pivot)) {
+      missing[Index(c)] = 1;
+      ++directions;
+      std::fill(column + c, column + n, 0.0);
+      continue;
+    }
+    const double pivot = std::sqrt(column[c]);
+    for (int r = c; r < n; ++r)
+      column[r] /= pivot;
+    for (int k = c + 1; k < n; ++k) {
+      double* other = factor.data() + Index(k) * Index(stride);
+      for (int r = k; r < n; ++r)
+        other[r] -= column[r] * column[k];
+    }
+  }
+  for (const PoseBlock& pose : linear.structure.poses()) {
+    const auto begin = missing.begin() + pose.offset;
+    if (std::find(begin, begin + pose.dim, 1) == begin + pose.dim) continue;
+    uninformed.push_back(linear.Handle(pose));
+  }
+  if (uninformed.empty()) {
+    return {StatusCode::kSingular, "Covariance: the reduced system is not positive definite"};
+  }
+  return Singular(uninformed, directions);
+}
+
+Status Covariance::Compute(Graph* graph, const CovarianceOptions& options) {
+  if (impl_ == nullptr) impl_ = std::make_unique<Impl>();  // moved from
+  Impl& impl = *impl_;
+  impl.ready = false;
+  impl.uninformed.clear();
+  impl.gauge = options.gauge;
+  if (!(options.min_pivot >= 0.0 && options.min_pivot < 1.0)) {
+    return {StatusCode::kInvalidArgument, "Covariance: min_pivot must be in [0, 1)"};
+  }
+  if (options.num_threads < 1 || options.num_threads > 1024) {
+    return {StatusCode::kInvalidArgument, "Covariance: num_threads must be 1 to 1024"};
+  }
+  Result<Orbit> orbit = Orbit::Of(*graph, options.gauge.group);
+  // A graph without poses has no gauge, but may well have a covariance.
+  impl.orbit = orbit.ok() ? std::move(orbit).value() : Orbit();
+  Status status = impl.linear.Linearize(graph, options.gauge, options.num_threads);
+  if (status.ok()) status = impl.CheckLandmarks(options.min_pivot);
+  if (status.ok()) status = impl.linear.Eliminate(*graph);
+  if (status.ok()) status = impl.Factor(options.min_pivot);
+  impl.ready = status.ok();
+  return status;
+}
+
+void Covariance::Impl::FillColumns(const LinearizedGraph::Place& place, double* Y) const {
+  const auto at = [&](int row, int col) -> double& {
+    return Y[Index(row) + Index(col) * Index(n)];
+  };
+  if (place.pose >= 0) {
+    const PoseBlock& pose = linear.structure.poses()[Index(place.pose)];
+    if (pose.free_tangent < 0) {
+      for (int k = 0; k < pose.dim; ++k)
+        at(pose.offset + k, k) = 1.0;
+      return;
+    }
+    // tangent = E d: row c of E in the free coordinates.
+    const FreeTangent& tangent = linear.tangents[Index(pose.free_tangent)];
+    for (int c = 0; c < pose.dim; ++c) {
+      for (int k = 0; k < tangent.free_dim; ++k)
+        at(pose.offset + k, c) = tangent.basis[c * tangent.free_dim + k];
+    }
+    return;
+  }
+  if (place.landmark < 0) return;
+  const LandmarkBlock& landmark = linear.structure.landmarks()[Index(place.landmark)];
+  const int dim = landmark.dim;
+  const Small inverse = LandmarkInverse(landmark);
+  const double* W = linear.equations.landmark_buffer().data() + landmark.record + dim * dim + dim;
+  for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
+    const int row = linear.structure.slot_row()[Index(s)];
+    const int rows = linear.structure.slot_dim()[Index(s)];
+    const Eigen::Map<const RowMajor> block(W, rows, dim);
+    for (int r = 0; r < rows; ++r) {
+      for (int c = 0; c < dim; ++c)
+        at(row + r, c) = -block.row(r).dot(inverse.col(c));
+    }
+    W += rows * dim;
+  }
+}
+
+Result<JointCovariance> Covariance::Joint(std::span<const AnyVertex> vertices) const {
+  if (impl_ == nullptr || !impl_->ready) {
+    return Status(StatusCode::kInvalidArgument, "Covariance: call Compute() first");
+  }
+  const Impl& impl = *impl_;
+  JointCovariance out;
+  out.gauge = impl.gauge;
+  out.orbit = impl.orbit;
+  out.references = impl.linear.references;
+  out.offsets.push_back(0);
+  std::vector<LinearizedGraph::Place> places;
+  for (const AnyVertex& vertex : vertices) {
+    const LinearizedGraph::Place* place = impl.linear.Find(vertex);
+    if (place == nullptr) {
+      return Status(StatusCode::kUnknownHandle,
+                    "Covariance: vertex " + ToString(vertex) + " was not in the graph", vertex);
+    }
+    if (place->unconnected) {
+      return Status(StatusCode::kSingular, "Covariance: no edge on vertex " + ToString(vertex),
+                    vertex);
+    }
+    if (out.IndexOf(vertex) >= 0) {
+      return Status(StatusCode::kRepeatedVertex,
+                    "Covariance: vertex " + ToString(vertex) + " is given twice", vertex);
+    }
+    places.push_back(*place);
+    out.vertices.push_back(vertex);
+    out.offsets.push_back(out.offsets.back() + place->dim);
+    out.state_offsets.push_back(out.states.size());
+    out.states.insert(out.states.end(), place->state.begin(), place->state.end());
+  }
+  const int m = out.size();
+  const int n = impl.n;
+  Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(n, m);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    impl.FillColumns(places[i], Y.data() + Index(out.offsets[i]) * Index(n));
+  }
+  for (int k = 0; k < n; ++k) {
+    // Held coordinates are unit rows of S, and certain.
+    const bool held = impl.linear.equations.held()[Index(k)] != 0;
+    Y.row(k) *= held ? 0.0 : impl.inverse_scale[Index(k)];
+  }
+  if (n > 0 && m > 0) {
+    kernels::Kernels().forward_solve_many(n, impl.factor.data(), impl.stride, m, Y.data(), n);
+  }
+  Eigen::MatrixXd cov = Y.transpose() * Y;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i].landmark < 0) continue;
+    const LandmarkBlock& landmark = impl.linear.structure.landmarks()[Index(places[i].landmark)];
+    cov.block(out.offsets[i], out.offsets[i], landmark.dim, landmark.dim) +=
+        impl.LandmarkInverse(landmark);
+  }
+  out.values.assign(cov.data(), cov.data() + cov.size());
+  if (!cov.allFinite()) return Status(StatusCode::kNotFinite, "Covariance: not finite");
+  return out;
+}
+
+Result<JointCovariance> ComputeCovariance(Graph* graph, std::span<const AnyVertex> vertices,
+                                          const CovarianceOptions& options) {
+  Covariance covariance;
+  if (Status status = covariance.Compute(graph, options); !status.ok()) return status;
+  return covariance.Joint(vertices);
+}
+
+}  // namespace glissade
