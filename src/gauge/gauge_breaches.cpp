@@ -26,7 +26,6 @@ void GaugeBreaches::Gather(const EdgePoolBase& pool, int edge) {
   const int arity = pool.arity(edge);
   if (vertices_.size() < Index(arity)) vertices_.resize(Index(arity));
   states_.resize(Index(arity));
-  std::fill_n(vertex_sum_, Orbit::kMaxDim, 0.0);
   const bool at_first = graph_.first_estimates() == FirstEstimates::kFull;
   for (int i = 0; i < arity; ++i) {
     const VertexPoolBase& vertices = *pool.vertex_pool(edge, i);
@@ -61,6 +60,7 @@ bool GaugeBreaches::Quadratic(const EdgePoolBase& pool, int edge, const double* 
   int size = 0;
   for (int i = 0; i < arity; ++i)
     size += vertices_[Index(i)].dim;
+  double terms[Orbit::kMaxDim] = {};
   int row = 0;
   for (int i = 0; i < arity; row += vertices_[Index(i)].dim, ++i) {
     const Vertex& a = vertices_[Index(i)];
@@ -77,12 +77,15 @@ bool GaugeBreaches::Quadratic(const EdgePoolBase& pool, int edge, const double* 
             product += h[c] * b.U[c * n + k];
           form += a.U[r * n + k] * product;
         }
-        if (i == j) vertex_sum_[k] += form;
+        if (i == j) terms[k] += form;
         sum[k] += i == j ? form : 2.0 * form;
         if (a.free && b.free) free_sum[k] += i == j ? form : 2.0 * form;
       }
     }
   }
+  blind_ = true;
+  for (int k = 0; k < n; ++k)
+    blind_ = blind_ && sum[k] <= 1e-13 * terms[k];
   return true;
 }
 
@@ -111,29 +114,38 @@ bool GaugeBreaches::Evaluate(const EdgePoolBase& pool, int edge, double* free_su
   }
   if (!pool.Evaluate(edge, states_.data(), residual_.data(), jacobian_of_.data())) return false;
 
-  // Whitening the products J_k u_k costs less than whitening J.
-  products_.assign(Index(rows * n * 3), 0.0);
-  double* const one = products_.data();
-  double* const free = one + rows * n;
+  // J u first, then whitened: less to whiten than J, or than one product per vertex.
+  products_.assign(Index(rows * n * 2), 0.0);
+  double* const free = products_.data();
   double* const all = free + rows * n;
+  double terms[Orbit::kMaxDim] = {};
+  bool all_free = true;
   for (int i = 0; i < arity; ++i) {
     const Vertex& vertex = vertices_[Index(i)];
     if (!vertex.moves) continue;
-    for (int k = 0; k < n; ++k) {
-      double* const product = one + k * rows;
-      for (int r = 0; r < rows; ++r) {
-        const double* J = jacobian_of_[Index(i)] + r * vertex.dim;
-        product[r] = 0.0;
-        for (int c = 0; c < vertex.dim; ++c)
-          product[r] += J[c] * vertex.U[c * n + k];
+    all_free = all_free && vertex.free;
+    for (int r = 0; r < rows; ++r) {
+      const double* J = jacobian_of_[Index(i)] + r * vertex.dim;
+      double product[Orbit::kMaxDim] = {};
+      for (int c = 0; c < vertex.dim; ++c) {
+        for (int k = 0; k < n; ++k)
+          product[k] += J[c] * vertex.U[c * n + k];
       }
-      pool.Whiten(edge, product, nullptr);
-      for (int r = 0; r < rows; ++r) {
-        vertex_sum_[k] += product[r] * product[r];
-        all[k * rows + r] += product[r];
-        if (vertex.free) free[k * rows + r] += product[r];
+      for (int k = 0; k < n; ++k) {
+        terms[k] += product[k] * product[k];
+        all[k * rows + r] += product[k];
+        if (vertex.free) free[k * rows + r] += product[k];
       }
     }
+  }
+  blind_ = true;
+  for (int k = 0; k < n; ++k) {
+    double square = 0.0;
+    for (int r = 0; r < rows; ++r)
+      square += all[k * rows + r] * all[k * rows + r];
+    blind_ = blind_ && square <= 1e-20 * terms[k];
+    pool.Whiten(edge, all + k * rows, nullptr);
+    if (!all_free) pool.Whiten(edge, free + k * rows, nullptr);
   }
   const auto square = [&](const double* x, double robust, double alpha_over_s) {
     double norm = 0.0, projection = 0.0;
@@ -157,8 +169,7 @@ bool GaugeBreaches::Evaluate(const EdgePoolBase& pool, int edge, double* free_su
   }
   for (int k = 0; k < n; ++k) {
     sum[k] = square(all + k * rows, scale, alpha_over_s);
-    free_sum[k] = square(free + k * rows, scale, alpha_over_s);
-    vertex_sum_[k] *= scale * scale;
+    free_sum[k] = all_free ? sum[k] : square(free + k * rows, scale, alpha_over_s);
   }
   return true;
 }

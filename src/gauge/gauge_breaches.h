@@ -28,8 +28,9 @@ class GaugeBreaches {
   /// |J u|^2 per direction, robust weight included; two sums: over free vertices only, as in u'Hu,
   /// and over all. False where the edge has no value.
   bool Evaluate(const EdgePoolBase& pool, int edge, double* free_sum, double* sum);
-  /// Sum over its vertices of |J_k u_k|^2, of the last Evaluate().
-  [[nodiscard]] const double* vertex_sum() const { return vertex_sum_; }
+  /// Whether J u was 0 beside the terms it is the sum of, in the last Evaluate(): up to the
+  /// rounding of these, about (1e-15)^2, or that of a constant Hessian.
+  [[nodiscard]] bool blind() const { return blind_; }
 
  private:
   bool Quadratic(const EdgePoolBase& pool, int edge, const double* H, double* free_sum,
@@ -41,7 +42,7 @@ class GaugeBreaches {
   const Orbit& orbit_;
   double tolerance_;
   BreachPoint where_;
-  double vertex_sum_[Orbit::kMaxDim] = {};
+  bool blind_ = false;
   struct Vertex {
     int dim = 0;
     bool moves = false, free = false;

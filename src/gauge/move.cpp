@@ -36,8 +36,7 @@ Status CheckMotion(const OrbitMotion& g, GaugeGroup group) {
   return {};
 }
 
-/// Edges that see the gauge, of those that are not to be moved. An edge is blind where J u vanishes
-/// beside its terms, for rounding leaves it at about (1e-15)^2.
+/// Edges that see the gauge, of those that are not to be moved.
 std::vector<AnyEdge> Obstacles(const Graph& graph, const Orbit& orbit, const MoveOptions& options) {
   LinearizedStates point;
   point.Keep(graph);
@@ -49,11 +48,7 @@ std::vector<AnyEdge> Obstacles(const Graph& graph, const Orbit& orbit, const Mov
     for (int edge = 0; edge < pool->size(); ++edge) {
       if (!pool->Alive(edge) || IsMarginalPrior(*pool, edge)) continue;
       if (!breaches.Evaluate(*pool, edge, free_sum, sum)) continue;
-      for (int k = 0; k < orbit.dim(); ++k) {
-        if (sum[k] <= 1e-20 * breaches.vertex_sum()[k]) continue;
-        found.push_back(pool->HandleAt(edge));
-        break;
-      }
+      if (!breaches.blind()) found.push_back(pool->HandleAt(edge));
     }
   }
   return found;

@@ -16,18 +16,26 @@ std::size_t Index(std::int64_t i) {
   return static_cast<std::size_t>(i);
 }
 
+template <int N>
+void AddForms(double factor, int rows, int cols, const double* A, const double* x, const double* y,
+              double* sum) {
+  for (int r = 0; r < rows; ++r, x += N, A += cols) {
+    double row[N] = {};
+    for (int c = 0; c < cols; ++c) {
+      for (int k = 0; k < N; ++k)
+        row[k] += A[c] * y[c * N + k];
+    }
+    for (int k = 0; k < N; ++k)
+      sum[k] += factor * x[k] * row[k];
+  }
+}
+
 /// sum[k] += factor * x_k' A y_k for columns k of x (rows x n) and y (cols x n); all row-major.
 void AddForms(double factor, int n, int rows, int cols, const double* A, const double* x,
               const double* y, double* sum) {
-  for (int r = 0; r < rows; ++r, x += n, A += cols) {
-    double row[Orbit::kMaxDim] = {};
-    for (int c = 0; c < cols; ++c) {
-      for (int k = 0; k < n; ++k)
-        row[k] += A[c] * y[c * n + k];
-    }
-    for (int k = 0; k < n; ++k)
-      sum[k] += factor * x[k] * row[k];
-  }
+  if (n == 4) return AddForms<4>(factor, rows, cols, A, x, y, sum);
+  if (n == 6) return AddForms<6>(factor, rows, cols, A, x, y, sum);
+  AddForms<7>(factor, rows, cols, A, x, y, sum);
 }
 
 struct Forms {
