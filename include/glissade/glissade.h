@@ -6,6 +6,7 @@
 /// Everything one needs to build and solve a problem. Rooms apart from this (io, sim, bridge,
 /// testing) are included by name.
 
+#include "glissade/covariance/transform.h"
 #include "glissade/edges/bal.h"
 #include "glissade/edges/pose_prior_vec.h"
 #include "glissade/edges/relative_pose.h"
