@@ -63,18 +63,21 @@ Result<ViErrors> AlignedErrors(const ViStates& estimate, const ViStates& truth) 
   return ViErrors{rms(p), 180.0 / std::numbers::pi * rms(theta), rms(v)};
 }
 
-ViDifference AlignedDifference(const ViStates& a, const ViStates& b, const ViStates& truth) {
-  const ViStates x = Moved(a, AlignPose(a.poses[0], truth.poses[0]));
-  const ViStates y = Moved(b, AlignPose(b.poses[0], truth.poses[0]));
+ViDifference Difference(const ViStates& a, const ViStates& b) {
   ViDifference most;
-  for (std::size_t k = 0; k < x.poses.size() && k < y.poses.size(); ++k) {
-    const Vector3 dp = x.poses[k].pose.p() - y.poses[k].pose.p();
-    const Vector3 dv = x.speed_biases[k].v() - y.speed_biases[k].v();
+  for (std::size_t k = 0; k < a.poses.size() && k < b.poses.size(); ++k) {
+    const Vector3 dp = a.poses[k].pose.p() - b.poses[k].pose.p();
+    const Vector3 dv = a.speed_biases[k].v() - b.speed_biases[k].v();
     most.position_m = std::max(most.position_m, dp.cwiseAbs().maxCoeff());
     most.velocity_mps = std::max(most.velocity_mps, dv.cwiseAbs().maxCoeff());
-    most.rotation_rad = std::max(most.rotation_rad, AngleBetween(x.poses[k], y.poses[k]));
+    most.rotation_rad = std::max(most.rotation_rad, AngleBetween(a.poses[k], b.poses[k]));
   }
   return most;
+}
+
+ViDifference AlignedDifference(const ViStates& a, const ViStates& b, const ViStates& truth) {
+  return Difference(Moved(a, AlignPose(a.poses[0], truth.poses[0])),
+                    Moved(b, AlignPose(b.poses[0], truth.poses[0])));
 }
 
 }  // namespace glissade::sim

@@ -18,6 +18,12 @@ ViCamera ViWorldOptions::DefaultCamera() {
   Matrix3 R_b_c;
   R_b_c << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   ViCamera camera;
+  camera.fx = camera.fy = 320.0;
+  camera.cx = 320.0;
+  camera.cy = 240.0;
+  camera.width = 640;
+  camera.height = 480;
+  camera.sigma_px = 2.0;
   camera.T_b_c = Pose(R_b_c, Vector3(0.10, 0.0, 0.02));
   return camera;
 }

@@ -68,9 +68,15 @@ PoseConsistency RunMonteCarlo(const ViWorldOptions& world_options, double assume
   return nees;
 }
 
+/// A good MAV's IMU and camera.
 ViWorldOptions World() {
   ViWorldOptions options;
   options.num_points = 60;
+  options.imu_noise = ImuNoise{};
+  options.pixel_noise = 1.0;
+  options.camera.fx = options.camera.fy = 460.0;
+  options.camera.cx = 376.0;
+  options.camera.width = 752;
   return options;
 }
 

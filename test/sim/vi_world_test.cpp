@@ -62,7 +62,7 @@ TEST_P(Worlds, ExactMeasurementsHaveNoResidual) {
     imu += graph.Chi2(edge).value();
   EXPECT_LT(pixels, 1e-20);
   EXPECT_LT(imu, 1e-2);
-  EXPECT_GE(exact.observations.size(), 3u * 120u);
+  EXPECT_GE(exact.observations.size(), 3u * 50u);
   for (const auto& edge : handles->observations)
     EXPECT_GE(graph.DepthOf(edge).value(), 0.5);
 }

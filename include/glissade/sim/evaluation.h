@@ -32,13 +32,15 @@ struct ViErrors {
 /// where the two differ in number, or there are none.
 [[nodiscard]] Result<ViErrors> AlignedErrors(const ViStates& estimate, const ViStates& truth);
 
-/// The largest differences between two estimates of the same things, each aligned to `truth`
-/// before: of a position coordinate (m), of a rotation (rad), of a velocity coordinate (m/s).
+/// The largest differences between two estimates of the same things: of a position coordinate (m),
+/// of a rotation (rad), of a velocity coordinate (m/s).
 struct ViDifference {
   double position_m = 0.0;
   double rotation_rad = 0.0;
   double velocity_mps = 0.0;
 };
+[[nodiscard]] ViDifference Difference(const ViStates& a, const ViStates& b);
+/// The same after AlignPose of the first keyframe of each to `truth`.
 [[nodiscard]] ViDifference AlignedDifference(const ViStates& a, const ViStates& b,
                                              const ViStates& truth);
 

@@ -29,7 +29,7 @@ struct ViWorldOptions {
   double length_m = 5.0;
   double speed_mps = 2.0;
   int num_keyframes = 10;  ///< evenly over the flight
-  int num_points = 120;
+  int num_points = 50;
   int min_observations = 3;  ///< of a point: others are drawn again
 
   double wall_distance_m = 4.0;     ///< kPlane: from the box around the flight
@@ -40,10 +40,10 @@ struct ViWorldOptions {
   double nearest_visible_m = 0.5;   ///< a camera sees from this depth on
 
   ViCamera camera = DefaultCamera();
-  double pixel_noise = 1.0;  ///< sigma that is drawn (px); camera.sigma_px is what is assumed
+  double pixel_noise = 2.0;  ///< sigma that is drawn (px); camera.sigma_px is what is assumed
 
   double imu_rate_hz = 200.0;
-  ImuNoise imu_noise;
+  ImuNoise imu_noise = DefaultNoise();
   double accel_bias_sigma = 0.1;  ///< of the biases at the start, which are drawn (m/s^2)
   double gyro_bias_sigma = 0.01;  ///< rad/s
   Vector3 gravity = Vector3(0.0, 0.0, -9.81);
@@ -57,6 +57,13 @@ struct ViWorldOptions {
 
   std::uint64_t seed = 1;  ///< of points and biases
 
+  /// A consumer's IMU, ten times that of a good MAV's.
+  static ImuNoise DefaultNoise() {
+    return {.gyro_noise_density = 1.0e-3,
+            .accel_noise_density = 2.0e-2,
+            .gyro_random_walk = 2.0e-5,
+            .accel_random_walk = 3.0e-3};
+  }
   /// On the body's nose, looking forward.
   static ViCamera DefaultCamera();
   [[nodiscard]] Status Validate() const;
