@@ -107,8 +107,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: bench_gauge [--rounds N | --once] FILE...\n");
     return 2;
   }
-  std::printf("instruction set %s, CPU time, medians of %d rounds\n",
-              InstructionSetName(), rounds);
+  std::printf("instruction set %s, CPU time, medians of %d rounds\n", InstructionSetName(), rounds);
   for (const std::string& file : files) {
     const auto windows = ReadViowin(file);
     if (!windows.ok()) {

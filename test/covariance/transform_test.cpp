@@ -73,7 +73,9 @@ JointCovariance Transformed(const JointCovariance& cov, const Gauge& to) {
 TEST(TransformCovariance, FreeToFixed) {
   for (const bool biases : {false, true}) {
     for (const bool inverse_depth : {false, true}) {
-      GaugeScene scene(1, Inertial(biases, inverse_depth));
+      GaugeSceneOptions options = Inertial(biases, inverse_depth);
+      options.views = 10;
+      GaugeScene scene(1, options);
       ASSERT_TRUE(scene.problem.Solve(Converge(Gauge::Fixed{scene.poses[0]})).ok());
       const auto raw = RawFreeGaugePseudoInverse(&scene.problem);
       ASSERT_TRUE(raw.ok()) << raw.status().message();

@@ -103,7 +103,8 @@ GaugeScene::GaugeScene(std::uint64_t seed, const GaugeSceneOptions& options) {
       const Vector3 x_c = T_b_c.Inverse() * (frames[k].T_w_b.Inverse() * x_w);
       return Vector2(x_c.head<2>() / x_c[2] + random.NormalVector<2>(sigma));
     };
-    const std::size_t last = std::min(frames.size(), host + 5);
+    const std::size_t last =
+        std::min(frames.size(), host + static_cast<std::size_t>(options.views));
     if (options.inverse_depth) {
       const VertexHandle<VertexInverseDepth> depth =
           problem.AddVertex(VertexInverseDepth{(1.0 + 5.0 * options.start_noise) / z});

@@ -15,6 +15,7 @@ namespace glissade::test {
 struct GaugeSceneOptions {
   int num_frames = 10;
   int num_points = 80;
+  int views = 5;  ///< frames that a point is seen in, at most
   bool imu = true;
   /// Biases are states; else they are known, and held (Fix::kBiases).
   bool biases = true;
