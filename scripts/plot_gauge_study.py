@@ -137,7 +137,7 @@ def plot_methods(plt, study, path):
     plt.close(fig)
 
 
-def plot_covariance(plt, covariance, title, path):
+def plot_covariance(plt, covariance, title, path, dpi=100):
     names = (("log10_free", "free (pseudo-inverse)"), ("log10_transformed", "free, transformed"),
              ("log10_fixed", "fixed"))
     fig, axes = plt.subplots(1, 3, figsize=(12.0, 4.2), layout="constrained")
@@ -151,7 +151,7 @@ def plot_covariance(plt, covariance, title, path):
     fig.colorbar(image, ax=axes, shrink=0.85, label="log$_{10}$(|covariance| + 10$^{-7}$)")
     fig.suptitle(f"{title}: [p, $\\theta$, v] of {covariance['keyframes']} keyframes; transformed "
                  f"against fixed {covariance['relative_error']:.1e}")
-    fig.savefig(path, dpi=100)
+    fig.savefig(path, dpi=dpi)
     plt.close(fig)
 
 
@@ -160,8 +160,9 @@ def plot_ellipses(plt, covariance, title, path):
 
     circle = np.array([[np.cos(t), np.sin(t)] for t in np.linspace(0, 2 * np.pi, 60)])
     sets = covariance["ellipses_x_y_xx_xy_yy"]
-    fig, axes = plt.subplots(1, 3, figsize=(12.0, 4.6), layout="constrained", sharex=True,
-                             sharey=True)
+    wide = max(np.ptp(np.array(sets["fixed"])[:, 0]), 1e-9) > np.ptp(np.array(sets["fixed"])[:, 1])
+    fig, axes = plt.subplots(3 if wide else 1, 1 if wide else 3, layout="constrained", sharex=True,
+                             sharey=True, figsize=(8.0, 6.6) if wide else (12.0, 4.6))
     for ax, key, color in zip(axes, ("free", "transformed", "fixed"), (BLUE, GREEN, GREY)):
         rows = np.array(sets[key])
         ax.plot(rows[:, 0], rows[:, 1], color=color, linewidth=1, marker=".", markersize=4)
@@ -171,10 +172,10 @@ def plot_ellipses(plt, covariance, title, path):
             ellipse = circle @ half.T + (x, y)
             ax.plot(ellipse[:, 0], ellipse[:, 1], color=color, linewidth=1)
         ax.set_title(key, fontsize=11)
-        ax.set_xlabel("x [m]")
+        ax.set_ylabel("y [m]")
         ax.set_aspect("equal")
         clean(ax)
-    axes[0].set_ylabel("y [m]")
+    axes[-1].set_xlabel("x [m]")
     fig.suptitle(f"{title}: positions with 3 sigma")
     fig.savefig(path, dpi=100)
     plt.close(fig)
@@ -214,7 +215,7 @@ def main():
     plot_covariance(plt, study["covariance"], study["sweep_configuration"], to("covariance"))
     plot_ellipses(plt, study["covariance"], study["sweep_configuration"], to("ellipses"))
     for row in study["real"]:
-        plot_covariance(plt, row["covariance"], row["dataset"], to(f"real_{row['dataset']}"))
+        plot_covariance(plt, row["covariance"], row["dataset"], to(f"real_{row['dataset']}"), 75)
     return 0
 
 
