@@ -40,7 +40,7 @@ class GaugeStudy(AppTest):
             self.assertLess(agreement[key], 1e-6)
 
     def test_study(self):
-        study = self.run_json("--trials", 8)
+        study = self.run_json("--trials", 8, timeout=900)
         self.assertEqual([(c["trajectory"], c["points"]) for c in study["configurations"]],
                          [(t, p) for t in ("sine", "arc", "rec") for p in ("plane", "random")])
         for row in study["configurations"]:
@@ -67,10 +67,11 @@ class GaugeStudy(AppTest):
             self.assertLess(path["steps"][-1]["reprojection_px"], 4)
 
     def test_same_seed_same_numbers(self):
-        once = self.run_json("--trials", 2, "--seed", 5, "--threads", 2)
+        once = self.run_json("--trials", 2, "--seed", 5, "--threads", 2, timeout=900)
         self.assertEqual(without_times(once),
-                         without_times(self.run_json("--trials", 2, "--seed", 5, "--threads", 1)))
-        other = self.run_json("--trials", 2, "--seed", 6)
+                         without_times(self.run_json("--trials", 2, "--seed", 5, "--threads", 1,
+                                                     timeout=900)))
+        other = self.run_json("--trials", 1, "--seed", 6, timeout=900)
         self.assertNotEqual(once["configurations"][0]["methods"]["fixed"]["p_m"],
                             other["configurations"][0]["methods"]["fixed"]["p_m"])
 
@@ -80,7 +81,7 @@ class GaugeStudy(AppTest):
         if data is None or not all((data / "vio" / name).is_dir() for name in names):
             self.skipTest("no recordings")
         args = [a for name in names for a in ("--vio", data / "vio" / name)]
-        study = self.run_json("--trials", 2, *args)
+        study = self.run_json("--trials", 1, *args, timeout=900)
         self.assertEqual([r["dataset"] for r in study["real"]], list(names))
         for row in study["real"]:
             self.check_configuration(row)
@@ -88,7 +89,7 @@ class GaugeStudy(AppTest):
             self.assertLess(row["covariance"]["relative_error"], 1e-6)
 
     def test_csv_and_figures(self):
-        out = self.run_ok("--trials", 2, "--csv", "a.csv", "--json", "a.json")
+        out = self.run_ok("--trials", 2, "--csv", "a.csv", "--json", "a.json", timeout=900)
         self.assertIn("sine plane", out)
         with open(self.folder / "a.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
