@@ -139,6 +139,7 @@ class Minimizer {
   void Reject() {
     iteration_.accepted = false;
     ++summary_.rejected_steps;
+    ++rejected_in_row_;
   }
 
   void RejectStep() {
@@ -185,8 +186,17 @@ class Minimizer {
         return false;
       }
     }
-    Stop(Termination::kConvergedStep);
+    Stop(rejected_in_row_ > 0 && KeepsFirstEstimates() ? Termination::kConvergedFirstEstimates
+                                                       : Termination::kConvergedStep);
     return true;
+  }
+
+  /// Some Jacobian is not that of its residual.
+  bool KeepsFirstEstimates() const {
+    bool any = false;
+    for (const auto& pool : graph_->vertex_pools())
+      any |= !pool->first_estimates().empty();
+    return any && graph_->first_estimates() != FirstEstimates::kOff;
   }
 
   void Iterate() {
@@ -230,12 +240,15 @@ class Minimizer {
       if (failure.ok() && options_.cost_tolerance > 0.0 && !options_.course_stop &&
           std::abs(predicted) <= options_.cost_tolerance * cost_) {
         Reject();
-        return Stop(Termination::kConvergedCost);
+        return Stop(rejected_in_row_ > 1 && KeepsFirstEstimates()
+                        ? Termination::kConvergedFirstEstimates
+                        : Termination::kConvergedCost);
       }
       return RejectStep();
     }
 
     ++summary_.accepted_steps;
+    rejected_in_row_ = 0;
     cost_ = summary_.final_cost = trial_cost;
     lowest_cost_ = std::min(lowest_cost_, cost_);
     strategy_.Accepted(iteration_.gain_ratio);
@@ -286,6 +299,7 @@ class Minimizer {
   Clock::time_point iteration_start_ = start_;
   IterationSummary iteration_;
   bool iteration_tried_ = false;
+  int rejected_in_row_ = 0;
   bool done_ = false;
   double cost_ = 0.0;
   double lowest_cost_ = 0.0;

@@ -14,6 +14,8 @@ std::string_view ToString(Termination termination) {
       return "converged (gradient)";
     case Termination::kConvergedStep:
       return "converged (step)";
+    case Termination::kConvergedFirstEstimates:
+      return "converged (first estimates: only rejected steps)";
     case Termination::kMaxIterations:
       return "iteration limit";
     case Termination::kMaxTime:

@@ -15,6 +15,10 @@ enum class Termination {
   kConvergedCost,      ///< relative cost decrease under tolerance
   kConvergedGradient,  ///< gradient under tolerance
   kConvergedStep,      ///< step under tolerance
+  /// Step, or the decrease it promises, under tolerance after nothing but rejected ones, where
+  /// first estimates are kept: their gradient is not that of the cost, and there is no way further
+  /// down along it.
+  kConvergedFirstEstimates,
   kMaxIterations,
   kMaxTime,
   kCancelled,   ///< the callback said so
@@ -67,7 +71,8 @@ struct SolveSummary {
   [[nodiscard]] bool converged() const {
     return termination == Termination::kConvergedCost ||
            termination == Termination::kConvergedGradient ||
-           termination == Termination::kConvergedStep;
+           termination == Termination::kConvergedStep ||
+           termination == Termination::kConvergedFirstEstimates;
   }
   /// "converged (cost), 7 iterations, cost 2.67550 -> 4.92854e-05, 0.4 ms"
   [[nodiscard]] std::string BriefReport() const;
