@@ -171,6 +171,11 @@ Status EdgeMarginalPrior::Assign(std::span<const VertexOps* const> vertices,
   if (Status s = Check(vertices, x0, r0, jacobian); !s.ok()) return s;
   if (data_.use_count() > 1) data_ = std::make_shared<Data>();
   Data& data = *data_;
+  // Rank and so rows may differ from prior to prior: room for full rank at once.
+  const std::size_t dim = jacobian.size() / r0.size(), most = std::max(dim, r0.size());
+  data.r0.reserve(most);
+  data.begin.reserve(most);
+  data.jacobian.reserve(most * dim);
   data.types.assign(vertices.begin(), vertices.end());
   data.x0.assign(x0.begin(), x0.end());
   data.r0.assign(r0.begin(), r0.end());
@@ -246,7 +251,7 @@ bool EdgeMarginalPrior::Evaluate(std::span<const VertexRef> vertices, double* re
 bool EdgeMarginalPrior::LinearizeQuadratic(std::span<const VertexRef> vertices, double* gradient,
                                            double* squared_norm) const {
   const int n = data_->tangent_dim;
-  double* const dx = Scratch(static_cast<std::size_t>(n) + data_->r0.size());
+  double* const dx = Scratch(static_cast<std::size_t>(n) + data_->r0.capacity());
   double* const r = dx + n;
   data_->Residual(vertices, dx, r);
   const kernels::KernelTable& k = kernels::Kernels();

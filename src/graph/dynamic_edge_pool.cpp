@@ -51,6 +51,7 @@ void DynamicEdgePool::PrepareItem(Entry* item) const {
   }
   item->refs.resize(item->vertices.size());
   item->gradient.resize(dim);
+  item->residual.reserve(std::max(rows, dim));  // a prior's rank varies
   item->residual.resize(rows);
   item->jacobian_of_vertex.resize(item->vertices.size());
   if (item->edge->ConstantHessian() == nullptr) item->jacobian.resize(rows * dim);
@@ -190,6 +191,7 @@ bool DynamicEdgePool::LinearizeGeneral(const Entry& item, const Loss& loss,
                                        const std::int32_t* words, NormalEquationsSink* sink) const {
   const int arity = static_cast<int>(item.vertices.size());
   const int rows = item.edge->ResidualDim();
+  item.jacobian.reserve(item.residual.capacity() * item.gradient.size());
   item.jacobian.resize(item.residual.size() * item.gradient.size());
   // Jacobians of free vertices side by side: J_i at jacobian + rows * (columns before i).
   int dim = 0;

@@ -113,6 +113,8 @@ int CholeskyRoot(int n, const double* A, int lda, double relative_cut, DenseScra
     FillScaled(n, A, lda, scale, &L);
     rank = PivotedCholesky(n, cut, L.data(), &order);
   }
+  jacobian->reserve(Index(n) * Index(n));  // the rank may differ from time to time
+  r0->reserve(Index(n));
   jacobian->assign(Index(rank) * Index(n), 0.0);
   r0->resize(Index(rank));
   double squared = 0.0;

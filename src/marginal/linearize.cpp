@@ -107,6 +107,8 @@ void MarginalSystem::LayOutPanel(std::span<const MarginalEdge> edges, RowPanel* 
   }
   panel->columns = columns + 1;
   panel->stride = (panel->columns + 7) / 8 * 8;
+  // An older prior may have as many rows as columns, or less: room for the most.
+  panel->data.reserve(Index(std::max(panel->rows, panel->columns)) * Index(panel->stride));
   panel->data.assign(Index(panel->rows) * Index(panel->stride), 0.0);
 }
 
@@ -227,6 +229,7 @@ void MarginalSystem::LinearizePrior(const MarginalEdge& edge, double* rows, cons
       AddBlock(v, J, edge.rows, stride_of_J, panel, rows);
     } else {
       // To the new origin: r0 += J (x0 boxminus origin), J <- J d((x0 + d) boxminus origin)/dd.
+      product_.reserve(Index(std::max(edge.rows, stride_of_J)) * Index(n));
       product_.resize(Index(edge.rows) * Index(n));
       origin_.resize(Index(n) + Index(n) * Index(n));
       double* const D = origin_.data() + n;
