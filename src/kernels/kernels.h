@@ -71,12 +71,18 @@ struct KernelTable {
   void (*syrk_lower_sub)(int n, int k, const double* w, int ldw, double* s, int lds);
   /// S += W W'.
   void (*syrk_lower_add)(int n, int k, const double* w, int ldw, double* s, int lds);
+  /// S = -W W', S not read; k > 0.
+  void (*syrk_lower_set_negative)(int n, int k, const double* w, int ldw, double* s, int lds);
   /// C -= A B'. C is m x n, A is m x k, B is n x k, all column-major. C must not overlap A or B.
   void (*gemm_nt_sub)(int m, int n, int k, const double* a, int lda, const double* b, int ldb,
                       double* c, int ldc);
   /// C += A B'.
   void (*gemm_nt_add)(int m, int n, int k, const double* a, int lda, const double* b, int ldb,
                       double* c, int ldc);
+
+  /// out = L A. L is rows x rows, row-major (leading zeros of its rows cost nothing); A and out
+  /// have rows of `stride` numbers, a multiple of 8. They must not overlap.
+  void (*left_multiply)(int rows, const double* l, const double* a, double* out, int stride);
 
   // ---- Square-root marginalization ----------------------------------------------------------
 
@@ -105,7 +111,8 @@ struct KernelTable {
   /// The cost alone.
   double (*reprojection_cost)(const ReprojectionHost* host);
   /// One column per lane, of 7 + 6 num_targets rows:
-  ///   [beta; scale * W_host; scale * W_target 0; ...]   in twists; ldw >= that.
+  ///   [beta; scale * W_host; scale * W_target 0; ...]   in twists; ldw >= that. Rows of targets
+  /// that do not see the lane are not written.
   void (*reprojection_panel)(const ReprojectionHost* host, const double* scale, const double* beta,
                              double* w, int ldw);
   /// step = inverse_h (b_l - W' xi); twists: 6 numbers for the host, then for each target.

@@ -49,7 +49,6 @@ int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& 
     }
     if (out.reduced.size() < Index(stride) * Index(rows))
       out.reduced.resize(Index(stride) * Index(rows));
-    std::fill_n(out.reduced.begin(), stride * rows, 0.0);
     kernel.reprojection_panel(host, scale_.data() + begin, beta_.data() + begin, out.panel.data(),
                               stride);
     // Landmarks see prefixes of the targets: each run of lanes needs the rows of its own only.
@@ -64,9 +63,10 @@ int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& 
       std::int32_t end = lane + kernels::kLaneBlock;
       while (end < group.lanes && seen(end) == count)
         end += kernels::kLaneBlock;
-      kernel.syrk_lower_sub(7 + 6 * count, end - lane,
-                            out.panel.data() + Index(lane) * Index(stride), stride,
-                            out.reduced.data(), stride);
+      // The first run sees all targets.
+      (lane == 0 ? kernel.syrk_lower_set_negative : kernel.syrk_lower_sub)(
+          7 + 6 * count, end - lane, out.panel.data() + Index(lane) * Index(stride), stride,
+          out.reduced.data(), stride);
       lane = end;
     }
     const std::int32_t* map = plan.block_map.data() + group.map_begin;
@@ -86,19 +86,19 @@ int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& 
         if (i == j) {
           for (int c = 0; c < 6; ++c) {
             for (int r = c; r < 6; ++r) {
-              to[6 * r + c] += from[r + c * stride];
-              if (r != c) to[6 * c + r] += from[r + c * stride];
+              to[6 * c + r] += from[r + c * stride];
+              if (r != c) to[6 * r + c] += from[r + c * stride];
             }
           }
         } else if (swapped) {
           for (int c = 0; c < 6; ++c) {
             for (int r = 0; r < 6; ++r)
-              to[6 * c + r] += from[r + c * stride];
+              to[6 * r + c] += from[r + c * stride];
           }
         } else {
           for (int c = 0; c < 6; ++c) {
             for (int r = 0; r < 6; ++r)
-              to[6 * r + c] += from[r + c * stride];
+              to[6 * c + r] += from[r + c * stride];
           }
         }
       }
@@ -142,11 +142,12 @@ void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& grap
   ProjectMaps(structure, graph);
   for (std::size_t k = 0; k < plan.blocks.size(); ++k) {
     const std::int32_t row = plan.blocks[k].row, col = plan.blocks[k].col;
-    kernel.map_block(1.0, projected_maps_[Index(row)].T, sum.blocks.data() + 36 * k, 6,
-                     projected_maps_[Index(col)].T,
+    // Blocks are column-major, map_block is row-major: (Tr'B Tc)' = Tc'B'Tr.
+    kernel.map_block(1.0, projected_maps_[Index(col)].T, sum.blocks.data() + 36 * k, 6,
+                     projected_maps_[Index(row)].T,
                      S + structure.poses()[Index(row)].offset +
                          Index(structure.poses()[Index(col)].offset) * Index(stride),
-                     1, stride);
+                     stride, 1);
     if (row != col) continue;
     const double* T = projected_maps_[Index(row)].T;
     double* b = b_s + structure.poses()[Index(row)].offset;

@@ -33,6 +33,7 @@ void ReprojectionTerms::Pack(const Structure& structure, const Graph& graph) {
   if (plan.empty()) return;
   const EdgePool<EdgeReprojection>& pool = *graph.Pool<EdgeReprojection>();
 
+  ListExtrinsics(plan, pool);
   const std::size_t lanes = plan.landmark_of_lane.size();
   for (auto* array : {&x_, &y_, &b_, &h_, &scale_, &beta_, &inverse_h_})
     array->assign(lanes, 0.0);
@@ -104,25 +105,44 @@ void ReprojectionTerms::Pack(const Structure& structure, const Graph& graph) {
   }
 }
 
-void ReprojectionTerms::UpdateCameras(const ReprojectionGroup& group, const EdgeReprojection& edge,
-                                      const VertexPool<VertexPose>& poses, Host* host) {
-  const auto camera = [&](std::int32_t pose) {
-    const Pose T_w_c = poses.At(pose).pose * edge.T_b_c;
-    Camera out;
-    const Matrix3 R = T_w_c.R();
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c)
-        out.R_wc[3 * r + c] = R(r, c);
-      out.c[r] = T_w_c.data[r] - origin_[r];
+void ReprojectionTerms::ListExtrinsics(const ReprojectionPlan& plan,
+                                       const EdgePool<EdgeReprojection>& pool) {
+  extrinsics_.clear();
+  extrinsic_of_group_.clear();
+  for (const ReprojectionGroup& group : plan.groups) {
+    const Pose& T_b_c = pool.At(group.edge).T_b_c;
+    std::size_t k = 0;
+    while (k < extrinsics_.size() && !std::equal(T_b_c.data, T_b_c.data + 7, extrinsics_[k].data))
+      ++k;
+    if (k == extrinsics_.size()) extrinsics_.push_back(T_b_c);
+    extrinsic_of_group_.push_back(static_cast<std::int32_t>(k));
+  }
+}
+
+void ReprojectionTerms::UpdateCameras(const VertexPool<VertexPose>& poses) {
+  cameras_.resize(extrinsics_.size() * Index(poses.size()));
+  Camera* out = cameras_.data();
+  for (const Pose& T_b_c : extrinsics_) {
+    for (int k = 0; k < poses.size(); ++k, ++out) {
+      const Pose T_w_c = poses.At(k).pose * T_b_c;
+      const Matrix3 R = T_w_c.R();
+      for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c)
+          out->R_wc[3 * r + c] = R(r, c);
+        out->c[r] = T_w_c.data[r] - origin_[r];
+      }
     }
-    return out;
-  };
-  const Camera h = camera(group.host.pose);
+  }
+}
+
+void ReprojectionTerms::UpdateHost(const ReprojectionPlan& plan, const ReprojectionGroup& group,
+                                   const Camera* cameras, Host* host) const {
+  const Camera& h = cameras[group.host.pose];
   std::copy_n(h.R_wc, 9, host->R_wc);
   std::copy_n(h.c, 3, host->c);
   for (int k = 0; k < host->num_targets; ++k) {
     Target& target = host->targets[k];
-    const Camera t = camera(plan_pairs_[Index(group.pair_begin + k)].target.pose);
+    const Camera& t = cameras[plan.pairs[Index(group.pair_begin + k)].target.pose];
     for (int r = 0; r < 3; ++r) {
       target.d[r] = 0.0;
       for (int c = 0; c < 3; ++c) {
@@ -142,13 +162,13 @@ void ReprojectionTerms::Update(const Structure& structure, const Graph& graph) {
   if (plan.empty()) return;
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
   const VertexPool<VertexInverseDepth>& depths = *graph.Pool<VertexInverseDepth>();
-  const EdgePool<EdgeReprojection>& edges = *graph.Pool<EdgeReprojection>();
   // Moments are taken about a point among the cameras, so that they do not grow with the distance
   // from the world's origin.
   std::copy_n(poses.At(plan.groups.front().host.pose).pose.data, 3, origin_);
-  plan_pairs_ = plan.pairs.data();
+  UpdateCameras(poses);
   for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-    UpdateCameras(plan.groups[g], edges.At(plan.groups[g].edge), poses, &hosts_[g]);
+    UpdateHost(plan, plan.groups[g],
+               cameras_.data() + Index(extrinsic_of_group_[g]) * Index(poses.size()), &hosts_[g]);
   }
   for (std::size_t lane = 0; lane < plan.landmark_of_lane.size(); ++lane) {
     const std::int32_t landmark = plan.landmark_of_lane[lane];

@@ -68,8 +68,10 @@ class ReprojectionTerms {
   void ProjectMaps(const Structure& structure, const Graph& graph);
   void Apply(const Structure& structure, const std::vector<double>& dx, int chunk,
              const double* factor, double* out);
-  void UpdateCameras(const ReprojectionGroup& group, const EdgeReprojection& edge,
-                     const VertexPool<VertexPose>& poses, Host* host);
+  void ListExtrinsics(const ReprojectionPlan& plan, const EdgePool<EdgeReprojection>& pool);
+  void UpdateCameras(const VertexPool<VertexPose>& poses);
+  void UpdateHost(const ReprojectionPlan& plan, const ReprojectionGroup& group,
+                  const Camera* cameras, Host* host) const;
   Host* HostOf(int group) { return &hosts_[static_cast<std::size_t>(group)]; }
 
   std::uint64_t analysis_ = 0;
@@ -78,7 +80,9 @@ class ReprojectionTerms {
   std::vector<Target> targets_;
   std::vector<double> x_, y_, rho_, point_, h_, b_, scale_, beta_, inverse_h_, ones_, product_;
   std::vector<double> u_, v_, mask_, sqrt_information_, huber_, force_;
-  const ReprojectionPair* plan_pairs_ = nullptr;
+  std::vector<Pose> extrinsics_;  // all different
+  std::vector<std::int32_t> extrinsic_of_group_;
+  std::vector<Camera> cameras_;  // of every pose, for each extrinsic
   double origin_[3] = {};
   std::vector<Map> maps_;            // T per pose block
   std::vector<Map> projected_maps_;  // T P

@@ -176,13 +176,14 @@ inline Window AddWindow(Graph* graph, const WindowOptions& options = {}) {
 }
 
 /// All states as bits: what "unchanged" and "the same" mean here.
-inline bool SameBits(const Snapshot& a, const Snapshot& b) {
-  return a.vertices == b.vertices && a.states.size() == b.states.size() &&
-         std::memcmp(a.states.data(), b.states.data(), a.states.size() * sizeof(double)) == 0;
-}
 inline bool SameStates(const Snapshot& a, const Snapshot& b) {
+  // memcmp must not be given the null of an empty vector.
   return a.states.size() == b.states.size() &&
-         std::memcmp(a.states.data(), b.states.data(), a.states.size() * sizeof(double)) == 0;
+         (a.states.empty() ||
+          std::memcmp(a.states.data(), b.states.data(), a.states.size() * sizeof(double)) == 0);
+}
+inline bool SameBits(const Snapshot& a, const Snapshot& b) {
+  return a.vertices == b.vertices && SameStates(a, b);
 }
 
 /// Costs, gradients, steps and lambdas of every iteration: equal to the last bit?

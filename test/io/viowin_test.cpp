@@ -54,6 +54,7 @@ ViowinWindow MakeWindow(std::uint64_t seed) {
     for (int i = 0; i < 9; ++i)
       m->data()[i] = random.Uniform(-1, 1);
   }
+  term.sqrt_information.setZero();
   for (int r = 0; r < 15; ++r) {
     for (int c = r; c < 15; ++c)
       term.sqrt_information(r, c) = random.Uniform(-30, 30);

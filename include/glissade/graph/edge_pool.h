@@ -283,6 +283,11 @@ class EdgePool final : public EdgePoolBase {
   bool LinearizeOne(const std::int32_t* words, NormalEquationsSink* sink) const;
   bool EvaluateFirstEstimates(const std::int32_t* words, double* residual,
                               Jacobians* jacobians) const;
+  bool AccumulateWide(const std::int32_t* words, const double* r, const Jacobians& jacobians,
+                      NormalEquationsSink* sink) const;
+  template <int I>
+  static void ScatterWide(const std::int32_t* words, const double* products, const double* gradient,
+                          NormalEquationsSink* sink);
   template <int I>
   static void AccumulateVertex(const std::int32_t* words, const double* r,
                                const Jacobians& jacobians, NormalEquationsSink* sink);

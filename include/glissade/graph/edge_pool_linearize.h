@@ -6,6 +6,7 @@
 
 #include "glissade/graph/edge_pool.h"
 #include "glissade/graph/small_blocks.h"
+#include "glissade/graph/wide_rows.h"
 
 namespace glissade {
 
@@ -25,6 +26,7 @@ bool EdgePool<E>::LinearizeOne(const std::int32_t* words, NormalEquationsSink* s
   }
   (std::make_index_sequence<kArity>{});
   if (!ok) return false;
+  if constexpr (internal::IsWide<E>()) return AccumulateWide(words, r.data(), J, sink);
 
   if (identity_[Index(edge)] == 0) {
     const double* L = sqrt_information(edge);
@@ -76,6 +78,65 @@ bool EdgePool<E>::EvaluateFirstEstimates(const std::int32_t* words, double* resi
     J[i] = words[plan::Target(kArity, i)] != plan::kNone ? std::get<i>(*jacobians).data() : nullptr;
   });
   return EvaluateAt(words[plan::kEdge], states, points, residual, J);
+}
+
+template <EdgeType E>
+bool EdgePool<E>::AccumulateWide(const std::int32_t* words, const double* r,
+                                 const Jacobians& jacobians, NormalEquationsSink* sink) const {
+  // The rows [J | r] side by side; what a fixed vertex has no Jacobian for stays zero.
+  constexpr int kStride = internal::WideStride<E>(), kDims = internal::FirstColumn<E>(kArity);
+  double panel[kRows * kStride] = {}, work[kRows * kStride], products[kStride * kStride] = {};
+  int column = 0;
+  ForEachIndex<kArity>([&](auto i) {
+    constexpr int kDim = EdgeVertex<E, i>::kTangentDim;
+    const double* J_i = std::get<i>(jacobians).data();
+    for (int k = 0; k < kRows && words[plan::Target(kArity, i)] != plan::kNone; ++k) {
+      for (int c = 0; c < kDim; ++c)
+        panel[k * kStride + column + c] = J_i[k * kDim + c];
+    }
+    column += kDim;
+  });
+  for (int k = 0; k < kRows; ++k)
+    panel[k * kStride + kDims] = r[k];
+
+  const int edge = words[plan::kEdge];
+  const double* L = identity_[Index(edge)] != 0 ? nullptr : sqrt_information(edge);
+  if (!internal::SquareRows(kRows, kDims, kStride, L, loss(edge), panel, work, products,
+                            &sink->cost)) {
+    return false;
+  }
+  const double* gradient = products + kDims;
+  [&]<int... I>(std::integer_sequence<int, I...>) {
+    (ScatterWide<I>(words, products, gradient, sink), ...);
+  }
+  (std::make_integer_sequence<int, kArity>{});
+  return true;
+}
+
+template <EdgeType E>
+template <int I>
+void EdgePool<E>::ScatterWide(const std::int32_t* words, const double* products,
+                              const double* gradient, NormalEquationsSink* sink) {
+  constexpr int kStride = internal::WideStride<E>();
+  constexpr int kRow = EdgeVertex<E, I>::kTangentDim;
+  constexpr int kFirst = internal::FirstColumn<E>(I);
+  const std::int32_t target = words[plan::Target(kArity, I)];
+  if (target == plan::kNone) return;
+  for (int k = 0; k < kRow; ++k)
+    sink->b_p[target + k] -= gradient[(kFirst + k) * kStride];
+  ForEachIndex<I + 1>([&](auto j) {
+    const std::int32_t offset = words[plan::HBlock(kArity, plan::Pair(I, j))];
+    if (offset == plan::kNone) return;
+    constexpr int kCol = EdgeVertex<E, j>::kTangentDim;
+    const double* block = products + internal::FirstColumn<E>(j) * kStride + kFirst;
+    if (j == I) {
+      internal::AddLower<kRow, kStride>(block, sink->h_pp + offset);
+    } else if (offset >= 0) {
+      internal::AddBlockTransposed<kRow, kCol, kStride>(block, sink->h_pp + offset);
+    } else {
+      internal::AddBlock<kCol, kRow, kStride>(block, sink->h_pp + plan::Transposed(offset));
+    }
+  });
 }
 
 template <EdgeType E>

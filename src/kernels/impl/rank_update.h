@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// C +-= A B', whole or lower triangle (A == B then): the panel update of Schur complements and of
-// the blocked factorization.
+// C +-= A B' or C = -A B', whole or lower triangle (A == B then): the panel update of Schur
+// complements and of the blocked factorization.
 //
 // Tiles of tile.h over row blocks that stay in the first-level cache. The kNr rows of B that a
 // column of tiles needs are copied to a contiguous buffer, zero-padded, which makes column edges
@@ -22,7 +22,14 @@ namespace {
 constexpr int kDepth = 96;
 constexpr int kRowBlock = 2 * kMr * kW;
 
-/// C tile (R vectors x `columns` columns) +-= t.
+// What becomes of C: kAdd, kSub, or kSetNegative, which does not read it.
+constexpr int kAdd = 1, kSub = -1, kSetNegative = 0;
+
+GLISSADE_INLINE vd Combine(vd c, vd t, int sign) {
+  return sign == kAdd ? c + t : c - t;
+}
+
+/// C tile (R vectors x `columns` columns) combined with t.
 template <int R, bool kPartial, int kSign>
 GLISSADE_INLINE void UpdateTile(double* c, Index ldc, int columns, int last, const Tile<R>& t) {
 #pragma GCC unroll 8
@@ -31,12 +38,14 @@ GLISSADE_INLINE void UpdateTile(double* c, Index ldc, int columns, int last, con
 #pragma GCC unroll 4
     for (int r = 0; r < R; ++r) {
       double* p = c + j * ldc + r * kW;
-      if (kPartial && r == R - 1) {
-        const vd x = LoadPartial(p, last);
-        StorePartial(p, kSign > 0 ? x + t.v[j][r] : x - t.v[j][r], last);
+      const bool partial = kPartial && r == R - 1;
+      vd x = Zero();
+      if (kSign != kSetNegative) x = partial ? LoadPartial(p, last) : Load(p);
+      x = Combine(x, t.v[j][r], kSign);
+      if (partial) {
+        StorePartial(p, x, last);
       } else {
-        const vd x = Load(p);
-        Store(p, kSign > 0 ? x + t.v[j][r] : x - t.v[j][r]);
+        Store(p, x);
       }
     }
   }
@@ -71,7 +80,8 @@ __attribute__((noinline)) void DiagonalTile(int k, const double* a, Index lda, c
   }
   for (int q = 0; q < n; ++q) {
     for (int r = q; r < n; ++r) {
-      c[r + q * ldc] = kSign > 0 ? c[r + q * ldc] + s[q][r] : c[r + q * ldc] - s[q][r];
+      const double x = kSign == kSetNegative ? 0.0 : c[r + q * ldc];
+      c[r + q * ldc] = kSign == kAdd ? x + s[q][r] : x - s[q][r];
     }
   }
 }
@@ -132,18 +142,24 @@ void RankUpdate(int m, int n, int k, const double* a, Index lda, const double* b
 }
 
 void SyrkLowerSub(int n, int k, const double* w, int ldw, double* s, int lds) {
-  RankUpdate<true, -1>(n, n, k, w, ldw, w, ldw, s, lds);
+  RankUpdate<true, kSub>(n, n, k, w, ldw, w, ldw, s, lds);
 }
 void SyrkLowerAdd(int n, int k, const double* w, int ldw, double* s, int lds) {
-  RankUpdate<true, 1>(n, n, k, w, ldw, w, ldw, s, lds);
+  RankUpdate<true, kAdd>(n, n, k, w, ldw, w, ldw, s, lds);
+}
+void SyrkLowerSetNegative(int n, int k, const double* w, int ldw, double* s, int lds) {
+  const int first = Min(k, kDepth);
+  RankUpdate<true, kSetNegative>(n, n, first, w, ldw, w, ldw, s, lds);
+  RankUpdate<true, kSub>(n, n, k - first, w + static_cast<Index>(first) * ldw, ldw,
+                         w + static_cast<Index>(first) * ldw, ldw, s, lds);
 }
 void GemmNtSub(int m, int n, int k, const double* a, int lda, const double* b, int ldb, double* c,
                int ldc) {
-  RankUpdate<false, -1>(m, n, k, a, lda, b, ldb, c, ldc);
+  RankUpdate<false, kSub>(m, n, k, a, lda, b, ldb, c, ldc);
 }
 void GemmNtAdd(int m, int n, int k, const double* a, int lda, const double* b, int ldb, double* c,
                int ldc) {
-  RankUpdate<false, 1>(m, n, k, a, lda, b, ldb, c, ldc);
+  RankUpdate<false, kAdd>(m, n, k, a, lda, b, ldb, c, ldc);
 }
 
 }  // namespace

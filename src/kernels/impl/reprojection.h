@@ -122,13 +122,14 @@ inline void ComputePoints(const ReprojectionHost& host) {
 }
 
 constexpr int kPairTerms = 27;  // 21 of H, 6 of g
+constexpr int kPairVectors = (kPairTerms + kW - 1) / kW * kW;
 
 template <bool kRobust>
 GLISSADE_INLINE void LinearizeTarget(const ReprojectionHost& host, ReprojectionTarget& t,
                                      vd& cost) {
-  vd sum[kPairTerms];
+  vd sum[kPairVectors];
 #pragma GCC unroll 32
-  for (int i = 0; i < kPairTerms; ++i)
+  for (int i = 0; i < kPairVectors; ++i)
     sum[i] = Zero();
   const double* R = t.R_cw;
 #pragma GCC unroll 1
@@ -186,13 +187,20 @@ GLISSADE_INLINE void LinearizeTarget(const ReprojectionHost& host, ReprojectionT
     for (int i = 0; i < 6; ++i)
       sum[21 + i] += r0 * f0[i] + r1 * f1[i];
   }
+  double totals[kPairVectors];
+#pragma GCC unroll 16
+  for (int i = 0; i < kPairVectors; i += kW)
+    Store(totals + i, SumEach(sum + i));
   int k = 0;
+#pragma GCC unroll 6
   for (int i = 0; i < 6; ++i) {
+#pragma GCC unroll 6
     for (int j = 0; j <= i; ++j, ++k)
-      t.H[6 * i + j] = t.H[6 * j + i] = Sum(sum[k]);
+      t.H[6 * i + j] = t.H[6 * j + i] = totals[k];
   }
+#pragma GCC unroll 6
   for (int i = 0; i < 6; ++i)
-    t.g[i] = Sum(sum[21 + i]);
+    t.g[i] = totals[21 + i];
 }
 
 void ReprojectionLinearize(ReprojectionHost* host) {
@@ -214,7 +222,8 @@ void ReprojectionLinearize(ReprojectionHost* host) {
 }
 
 /// One column of W per lane: [beta; host; target 0; target 1; ...], scaled. W is d b_pose / d rho
-/// in twists: the host has +[F; P x F] summed over targets, each target minus its own.
+/// in twists: the host has +[F; P x F] summed over targets, each target minus its own. Rows of
+/// targets that do not see the lane are left alone.
 void ReprojectionPanel(const ReprojectionHost* host, const double* scale, const double* beta,
                        double* W, int ldw) {
   const Index ld = ldw;
@@ -228,13 +237,7 @@ void ReprojectionPanel(const ReprojectionHost* host, const double* scale, const 
     double* row = column + 7;
     for (int k = 0; k < host->num_targets; ++k, row += 6) {
       const ReprojectionTarget& t = host->targets[k];
-      if (lane >= t.lanes) {
-        for (int i = 0; i < kW; ++i) {
-          for (int r = 0; r < 6; ++r)
-            row[i * ld + r] = 0.0;
-        }
-        continue;
-      }
+      if (lane >= t.lanes) break;
       const vd fx = s * Load(t.force + lane);
       const vd fy = s * Load(t.force + t.lanes + lane);
       const vd fz = s * Load(t.force + 2 * t.lanes + lane);
@@ -242,27 +245,19 @@ void ReprojectionPanel(const ReprojectionHost* host, const double* scale, const 
       total[1] += fy;
       total[2] += fz;
       const vd w[6] = {-fx, -fy, -fz, pz * fy - py * fz, px * fz - pz * fx, py * fx - px * fy};
-#pragma GCC unroll 8
-      for (int i = 0; i < kW; ++i) {
-#pragma GCC unroll 6
-        for (int r = 0; r < 6; ++r)
-          row[i * ld + r] = w[r][i];
-      }
+      StoreSixRows(w, row, ld);
     }
     const vd b = Load(beta + lane);
-    const vd w[7] = {b,
-                     total[0],
+    const vd w[6] = {total[0],
                      total[1],
                      total[2],
                      py * total[2] - pz * total[1],
                      pz * total[0] - px * total[2],
                      px * total[1] - py * total[0]};
+    StoreSixRows(w, column + 1, ld);
 #pragma GCC unroll 8
-    for (int i = 0; i < kW; ++i) {
-#pragma GCC unroll 7
-      for (int r = 0; r < 7; ++r)
-        column[i * ld + r] = w[r][i];
-    }
+    for (int i = 0; i < kW; ++i)
+      column[i * ld] = b[i];
   }
 }
 

@@ -119,6 +119,89 @@ GLISSADE_INLINE double Sum(vd v) {
 #endif
 }
 
+/// Lane i: the sum of the lanes of v[i], for kW vectors. Pairwise, as Sum().
+GLISSADE_INLINE vd SumEach(const vd* v) {
+#if GLISSADE_KERNEL_WIDTH == 8
+  vd pairs[4], quads[2];
+#pragma GCC unroll 4
+  for (int i = 0; i < 4; ++i) {
+    pairs[i] = __builtin_shuffle(v[2 * i], v[2 * i + 1], vi{0, 8, 2, 10, 4, 12, 6, 14}) +
+               __builtin_shuffle(v[2 * i], v[2 * i + 1], vi{1, 9, 3, 11, 5, 13, 7, 15});
+  }
+#pragma GCC unroll 2
+  for (int i = 0; i < 2; ++i) {
+    quads[i] = __builtin_shuffle(pairs[2 * i], pairs[2 * i + 1], vi{0, 1, 8, 9, 4, 5, 12, 13}) +
+               __builtin_shuffle(pairs[2 * i], pairs[2 * i + 1], vi{2, 3, 10, 11, 6, 7, 14, 15});
+  }
+  return __builtin_shuffle(quads[0], quads[1], vi{0, 1, 2, 3, 8, 9, 10, 11}) +
+         __builtin_shuffle(quads[0], quads[1], vi{4, 5, 6, 7, 12, 13, 14, 15});
+#elif GLISSADE_KERNEL_WIDTH == 4
+  const vd a =
+      __builtin_shuffle(v[0], v[1], vi{0, 4, 2, 6}) + __builtin_shuffle(v[0], v[1], vi{1, 5, 3, 7});
+  const vd b =
+      __builtin_shuffle(v[2], v[3], vi{0, 4, 2, 6}) + __builtin_shuffle(v[2], v[3], vi{1, 5, 3, 7});
+  return __builtin_shuffle(a, b, vi{0, 1, 4, 5}) + __builtin_shuffle(a, b, vi{2, 3, 6, 7});
+#else
+  return __builtin_shuffle(v[0], v[1], vi{0, 2}) + __builtin_shuffle(v[0], v[1], vi{1, 3});
+#endif
+}
+
+/// Column i of kW columns, ld apart: lane i of w[0], ..., w[5].
+GLISSADE_INLINE void StoreSixRows(const vd* w, double* out, Index ld) {
+#if GLISSADE_KERNEL_WIDTH == 8
+  // Transposed by pairs, quads and halves; what rows 6 and 7 would be is never stored.
+  vd p[6], q[4];
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    p[2 * i] = __builtin_shuffle(w[2 * i], w[2 * i + 1], vi{0, 8, 2, 10, 4, 12, 6, 14});
+    p[2 * i + 1] = __builtin_shuffle(w[2 * i], w[2 * i + 1], vi{1, 9, 3, 11, 5, 13, 7, 15});
+  }
+#pragma GCC unroll 2
+  for (int i = 0; i < 2; ++i) {
+    q[i] = __builtin_shuffle(p[i], p[2 + i], vi{0, 1, 8, 9, 4, 5, 12, 13});
+    q[2 + i] = __builtin_shuffle(p[i], p[2 + i], vi{2, 3, 10, 11, 6, 7, 14, 15});
+  }
+  // Lanes 0 and 4 of the columns are in q[0], 1 and 5 in q[1], 2 and 6 in q[2], 3 and 7 in q[3].
+  const vd low0 = __builtin_shuffle(q[0], p[4], vi{0, 1, 2, 3, 8, 9, 8, 9});
+  const vd low1 = __builtin_shuffle(q[1], p[5], vi{0, 1, 2, 3, 8, 9, 8, 9});
+  const vd low2 = __builtin_shuffle(q[2], p[4], vi{0, 1, 2, 3, 10, 11, 10, 11});
+  const vd low3 = __builtin_shuffle(q[3], p[5], vi{0, 1, 2, 3, 10, 11, 10, 11});
+  const vd high0 = __builtin_shuffle(q[0], p[4], vi{4, 5, 6, 7, 12, 13, 12, 13});
+  const vd high1 = __builtin_shuffle(q[1], p[5], vi{4, 5, 6, 7, 12, 13, 12, 13});
+  const vd high2 = __builtin_shuffle(q[2], p[4], vi{4, 5, 6, 7, 14, 15, 14, 15});
+  const vd high3 = __builtin_shuffle(q[3], p[5], vi{4, 5, 6, 7, 14, 15, 14, 15});
+  StorePartial(out, low0, 6);
+  StorePartial(out + ld, low1, 6);
+  StorePartial(out + 2 * ld, low2, 6);
+  StorePartial(out + 3 * ld, low3, 6);
+  StorePartial(out + 4 * ld, high0, 6);
+  StorePartial(out + 5 * ld, high1, 6);
+  StorePartial(out + 6 * ld, high2, 6);
+  StorePartial(out + 7 * ld, high3, 6);
+#elif GLISSADE_KERNEL_WIDTH == 4
+  const vd a0 = __builtin_shuffle(w[0], w[1], vi{0, 4, 2, 6});
+  const vd a1 = __builtin_shuffle(w[0], w[1], vi{1, 5, 3, 7});
+  const vd b0 = __builtin_shuffle(w[2], w[3], vi{0, 4, 2, 6});
+  const vd b1 = __builtin_shuffle(w[2], w[3], vi{1, 5, 3, 7});
+  const vd c0 = __builtin_shuffle(w[4], w[5], vi{0, 4, 2, 6});
+  const vd c1 = __builtin_shuffle(w[4], w[5], vi{1, 5, 3, 7});
+  Store(out, __builtin_shuffle(a0, b0, vi{0, 1, 4, 5}));
+  Store(out + ld, __builtin_shuffle(a1, b1, vi{0, 1, 4, 5}));
+  Store(out + 2 * ld, __builtin_shuffle(a0, b0, vi{2, 3, 6, 7}));
+  Store(out + 3 * ld, __builtin_shuffle(a1, b1, vi{2, 3, 6, 7}));
+  StorePartial(out + 4, c0, 2);
+  StorePartial(out + ld + 4, c1, 2);
+  StorePartial(out + 2 * ld + 4, __builtin_shuffle(c0, c0, vi{2, 3, 2, 3}), 2);
+  StorePartial(out + 3 * ld + 4, __builtin_shuffle(c1, c1, vi{2, 3, 2, 3}), 2);
+#else
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    Store(out + 2 * i, __builtin_shuffle(w[2 * i], w[2 * i + 1], vi{0, 2}));
+    Store(out + ld + 2 * i, __builtin_shuffle(w[2 * i], w[2 * i + 1], vi{1, 3}));
+  }
+#endif
+}
+
 template <typename T>
 GLISSADE_INLINE T Min(T a, T b) {
   return a < b ? a : b;

@@ -6,6 +6,7 @@
 
 #include "kernels/impl/cholesky.h"
 #include "kernels/impl/householder.h"
+#include "kernels/impl/left_multiply.h"
 #include "kernels/impl/partial.h"
 #include "kernels/impl/rank_update.h"
 #include "kernels/impl/reprojection.h"
@@ -46,9 +47,11 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .axpy = Axpy,
     .syrk_lower_sub = SyrkLowerSub,
     .syrk_lower_add = SyrkLowerAdd,
+    .syrk_lower_set_negative = SyrkLowerSetNegative,
     .gemm_nt_sub = GemmNtSub,
     .gemm_nt_add = GemmNtAdd,
     .householder_column = HouseholderColumn,
+    .left_multiply = LeftMultiply,
     .schur_update = SchurUpdate,
     .reprojection_linearize = ReprojectionLinearize,
     .reprojection_cost = ReprojectionCost,
