@@ -38,8 +38,8 @@ bool SquareRows(int rows, int dims, int stride, const double* L, const Loss& los
     Robustify(scale, rows, dims, stride, whitened);
   }
   // Row-major rows are the columns of [J r]'.
-  kernel.syrk_lower_add(dims + 1, rows, whitened, stride, products, stride);
-  if (loss.trivial()) *cost += 0.5 * products[dims * stride + dims];
+  kernel.syrk_lower_set_negative(dims + 1, rows, whitened, stride, products, stride);
+  if (loss.trivial()) *cost -= 0.5 * products[dims * stride + dims];
   // What is not finite in J or r is not finite on the diagonal of the products.
   double poison = 0.0 * *cost;
   for (int c = 0; c <= dims; ++c)

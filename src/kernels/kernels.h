@@ -118,6 +118,17 @@ struct KernelTable {
   /// step = inverse_h (b_l - W' xi); twists: 6 numbers for the host, then for each target.
   void (*reprojection_back_substitute)(const ReprojectionHost* host, const double* twists,
                                        const double* inverse_h, double* step);
+  /// Pivots of `count` scalar landmarks: inverse_h = 1 / (h + lambda clamp(h, min, max)), scale =
+  /// its square root, beta = b scale; what lies beyond in the last vector is set to 0.
+  /// Returns the first lane whose pivot is not positive and finite, or -1.
+  int (*landmark_pivots)(int count, const double* h, const double* b, double lambda,
+                         double min_diagonal, double max_diagonal, double* inverse_h, double* scale,
+                         double* beta);
+  /// blocks[m] += block (i, j) of `reduced` (6 x 6 blocks, column-major with `stride`) for all i >=
+  /// j, with m the next number of map; transposed into block ~m where m < 0; INT32_MIN: left out.
+  /// Blocks are column-major. Of diagonal blocks the lower triangle counts only.
+  void (*add_twist_blocks)(int frames, const int32_t* map, const double* reduced, int stride,
+                           double* blocks);
   /// out(r, c) += alpha (Ti' B Tj)(r, c), 6 x 6. Ti and Tj row-major with rows of 8 doubles whose
   /// last two are 0; B row-major with rows of ldb.
   void (*map_block)(double alpha, const double* ti, const double* b, int ldb, const double* tj,

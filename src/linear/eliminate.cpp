@@ -9,6 +9,7 @@
 
 #include "glissade/linear/normal_equations.h"
 #include "kernels/kernels.h"
+#include "linear/block_copy.h"
 #include "linear/reprojection_terms.h"
 
 namespace glissade {
@@ -35,12 +36,26 @@ ReducedSystem NormalEquations::reduced() const {
   return system;
 }
 
-void NormalEquations::ClearReduced(double* S) const {
-  if (reduced_pattern_.empty()) {
-    std::fill_n(S, Index(num_poses_scalars_) * Index(stride_), 0.0);
-    return;
+// Blocks of S that H_pp does not write, and so must be cleared.
+void NormalEquations::ListBlocksOnlyInReduced(const Structure& structure) {
+  const std::size_t n = structure.poses().size();
+  in_h_.assign(n * n, 0);
+  for (const PoseBlockPair& pair : structure.h_blocks())
+    in_h_[Index(pair.row) * n + Index(pair.col)] = 1;
+  only_in_reduced_.clear();
+  const auto add = [&](std::int32_t row, std::int32_t col) {
+    if (in_h_[Index(row) * n + Index(col)] == 0) only_in_reduced_.push_back({row, col});
+  };
+  for (const BlockIndex& block : reduced_pattern_)
+    add(block.row, block.col);
+  for (std::size_t row = 0; reduced_pattern_.empty() && row < n; ++row) {
+    for (std::size_t col = 0; col <= row; ++col)
+      add(static_cast<std::int32_t>(row), static_cast<std::int32_t>(col));
   }
-  for (const BlockIndex& block : reduced_pattern_) {
+}
+
+void NormalEquations::ClearBlocks(std::span<const BlockIndex> blocks, double* S) const {
+  for (const BlockIndex& block : blocks) {
     const std::int32_t row = pose_offsets_[Index(block.row)];
     const std::int32_t rows = pose_offsets_[Index(block.row) + 1] - row;
     for (std::int32_t c = pose_offsets_[Index(block.col)]; c < pose_offsets_[Index(block.col) + 1];
@@ -57,10 +72,7 @@ void NormalEquations::ScatterPoseBlocks(const Structure& structure, const Dampin
     const PoseBlock& col = structure.poses()[Index(pair.col)];
     const double* block = h_pp_[0].data() + pair.offset;
     double* out = S + row.offset + static_cast<std::ptrdiff_t>(col.offset) * stride_;
-    for (int c = 0; c < col.dim; ++c, out += stride_) {
-      for (int r = 0; r < row.dim; ++r)
-        out[r] = block[r * col.dim + c];
-    }
+    internal::CopyRowMajorBlock(row.dim, col.dim, block, out, stride_);
   }
   for (int k = 0; k < num_poses_scalars_; ++k) {
     double& pivot = S[k + static_cast<std::ptrdiff_t>(k) * stride_];
@@ -81,11 +93,16 @@ bool NormalEquations::EliminateChunk(const Structure& structure, const DampingTe
   const kernels::KernelTable& kernel = kernels::Kernels();
   std::vector<double>& S = S_[Index(chunk)];
   std::vector<double>& b_s = b_s_[Index(chunk)];
-  ClearReduced(S.data());
   if (chunk == 0) {
+    ClearBlocks(only_in_reduced_, S.data());
     ScatterPoseBlocks(structure, damping);
     std::copy(b_p_[0].begin(), b_p_[0].end(), b_s.begin());
   } else {
+    if (reduced_pattern_.empty()) {
+      std::fill(S.begin(), S.end(), 0.0);
+    } else {
+      ClearBlocks(reduced_pattern_, S.data());
+    }
     std::fill(b_s.begin(), b_s.end(), 0.0);
   }
   double* const y = chunks_[Index(chunk)].y.data();

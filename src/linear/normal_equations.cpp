@@ -75,6 +75,7 @@ void NormalEquations::Resize(const Structure& structure) {
     pose_offsets_ = structure.pose_offsets();
     reduced_pattern_ = structure.reduced_pattern();
     pattern_version_ = structure.analysis();
+    ListBlocksOnlyInReduced(structure);
     // Blocks outside the pattern are never written: zero them once.
     for (auto& S : S_) {
       S.assign(Index(num_poses_scalars_) * Index(stride_), 0.0);

@@ -14,6 +14,14 @@ namespace {
 std::size_t Index(std::int64_t i) {
   return static_cast<std::size_t>(i);
 }
+
+/// 6 x 6, column-major.
+void MirrorLower(double* block) {
+  for (int c = 0; c < 6; ++c) {
+    for (int r = c + 1; r < 6; ++r)
+      block[6 * r + c] = block[6 * c + r];
+  }
+}
 }  // namespace
 
 int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& damping,
@@ -28,19 +36,16 @@ int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& 
     const ReprojectionGroup& group = plan.groups[Index(g)];
     Host* host = HostOf(g);
     const std::size_t begin = Index(group.lane_begin);
-    for (std::int32_t k = 0; k < group.lanes; ++k) {
-      const std::size_t lane = begin + Index(k);
-      if (plan.landmark_of_lane[lane] < 0) continue;  // padding: scale and inverse stay 0
-      double h = h_[lane];
-      if (!damping.reduced_only) {
-        h += damping.lambda *
-             (damping.identity ? 1.0 : std::clamp(h, damping.min_diagonal, damping.max_diagonal));
-      }
-      if (!(h > 0.0) || !std::isfinite(h)) return static_cast<int>(lane);
-      inverse_h_[lane] = 1.0 / h;
-      scale_[lane] = std::sqrt(inverse_h_[lane]);
-      beta_[lane] = b_[lane] * scale_[lane];
-    }
+    // Padding is at the end. Identity damping: both bounds of the diagonal at 1.
+    std::int32_t count = group.lanes;
+    while (count > 0 && plan.landmark_of_lane[begin + Index(count - 1)] < 0)
+      --count;
+    const bool damps_diagonal = !damping.reduced_only && !damping.identity;
+    const int bad = kernel.landmark_pivots(
+        count, h_.data() + begin, b_.data() + begin, damping.reduced_only ? 0.0 : damping.lambda,
+        damps_diagonal ? damping.min_diagonal : 1.0, damps_diagonal ? damping.max_diagonal : 1.0,
+        inverse_h_.data() + begin, scale_.data() + begin, beta_.data() + begin);
+    if (bad >= 0) return static_cast<int>(begin) + bad;
     // C = -W W' over [rhs; host; targets]: the first column holds what goes to the right-hand side.
     const int rows = 7 + 6 * host->num_targets;
     const int stride = (rows + 7) / 8 * 8;
@@ -70,38 +75,14 @@ int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& 
       lane = end;
     }
     const std::int32_t* map = plan.block_map.data() + group.map_begin;
+    kernel.add_twist_blocks(host->num_targets + 1, map, out.reduced.data() + 1 + stride, stride,
+                            out.blocks.data());
     for (int i = 0; i <= host->num_targets; ++i) {
       const std::int32_t block =
           i == 0 ? group.host.block : plan.pairs[Index(group.pair_begin + i - 1)].target.block;
-      if (block >= 0) {
-        const double* rhs = out.reduced.data() + 1 + 6 * i;
-        for (int k = 0; k < 6; ++k)
-          out.twist_rhs[Index(6 * block + k)] += rhs[k];
-      }
-      for (int j = 0; j <= i; ++j, ++map) {
-        if (*map == ReprojectionPlan::kNoBlock) continue;
-        const bool swapped = *map < 0;
-        double* to = out.blocks.data() + 36 * Index(swapped ? ~*map : *map);
-        const double* from = out.reduced.data() + (1 + 6 * i) + Index(1 + 6 * j) * Index(stride);
-        if (i == j) {
-          for (int c = 0; c < 6; ++c) {
-            for (int r = c; r < 6; ++r) {
-              to[6 * c + r] += from[r + c * stride];
-              if (r != c) to[6 * r + c] += from[r + c * stride];
-            }
-          }
-        } else if (swapped) {
-          for (int c = 0; c < 6; ++c) {
-            for (int r = 0; r < 6; ++r)
-              to[6 * r + c] += from[r + c * stride];
-          }
-        } else {
-          for (int c = 0; c < 6; ++c) {
-            for (int r = 0; r < 6; ++r)
-              to[6 * c + r] += from[r + c * stride];
-          }
-        }
-      }
+      if (block < 0) continue;
+      for (int k = 0; k < 6; ++k)
+        out.twist_rhs[Index(6 * block + k)] += out.reduced[Index(1 + 6 * i + k)];
     }
   }
   return -1;
@@ -142,6 +123,7 @@ void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& grap
   ProjectMaps(structure, graph);
   for (std::size_t k = 0; k < plan.blocks.size(); ++k) {
     const std::int32_t row = plan.blocks[k].row, col = plan.blocks[k].col;
+    if (row == col) MirrorLower(sum.blocks.data() + 36 * k);
     // Blocks are column-major, map_block is row-major: (Tr'B Tc)' = Tc'B'Tr.
     kernel.map_block(1.0, projected_maps_[Index(col)].T, sum.blocks.data() + 36 * k, 6,
                      projected_maps_[Index(row)].T,

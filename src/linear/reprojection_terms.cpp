@@ -214,45 +214,42 @@ double ReprojectionTerms::Linearize(const Structure& structure, int chunk, doubl
   if (plan.empty()) return 0.0;
   const kernels::KernelTable& kernel = kernels::Kernels();
   double cost = 0.0;
-  // b = -J'r in the tangent: T' of the twist's.
-  const auto add_b = [&](std::int32_t block, double sign, const double* g) {
-    const double* T = maps_[Index(block)].T;
-    double* b = b_p + structure.poses()[Index(block)].offset;
-    for (int c = 0; c < 6; ++c) {
-      double sum = 0.0;
-      for (int k = 0; k < 6; ++k)
-        sum += T[8 * k + c] * g[k];
-      b[c] += sign * sum;
-    }
-  };
+  // Diagonal blocks and right-hand sides are summed as twists and mapped once per frame.
+  std::vector<FrameSum>& frames = chunks_[Index(chunk)].frames;
+  frames.assign(structure.poses().size(), {});
   for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
     const ReprojectionGroup& group = plan.groups[Index(g)];
     Host* host = HostOf(g);
     kernel.reprojection_linearize(host);
     cost += host->cost;
     const std::int32_t h = group.host.block;
-    double H_hh[36] = {}, g_h[6] = {};
+    FrameSum at_host;
     for (int k = 0; k < host->num_targets; ++k) {
       const Target& target = host->targets[k];
       const ReprojectionPair& pair = plan.pairs[Index(group.pair_begin + k)];
-      for (int i = 0; i < 36; ++i)
-        H_hh[i] += target.H[i];
-      for (int i = 0; i < 6; ++i)
-        g_h[i] += target.g[i];
+      at_host.Add(target.H, target.g, -1.0);
       const std::int32_t t = pair.target.block;
       if (t < 0) continue;
-      kernel.map_block(1.0, maps_[Index(t)].T, target.H, 6, maps_[Index(t)].T,
-                       h_pp + structure.poses()[Index(t)].h_diagonal, 6, 1);
-      add_b(t, 1.0, target.g);
+      frames[Index(t)].Add(target.H, target.g, 1.0);
       if (pair.h_block < 0) continue;
       const std::int32_t row = pair.h_transposed ? t : h, col = pair.h_transposed ? h : t;
       kernel.map_block(-1.0, maps_[Index(row)].T, target.H, 6, maps_[Index(col)].T,
                        h_pp + pair.h_block, 6, 1);
     }
-    if (h < 0) continue;
-    kernel.map_block(1.0, maps_[Index(h)].T, H_hh, 6, maps_[Index(h)].T,
-                     h_pp + structure.poses()[Index(h)].h_diagonal, 6, 1);
-    add_b(h, -1.0, g_h);
+    if (h >= 0) frames[Index(h)].Add(at_host.H, at_host.g, 1.0);
+  }
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    if (!frames[k].used) continue;
+    const double* T = maps_[k].T;
+    const PoseBlock& pose = structure.poses()[k];
+    kernel.map_block(1.0, T, frames[k].H, 6, T, h_pp + pose.h_diagonal, 6, 1);
+    // b = -J'r in the tangent: T' of the twist's.
+    for (int c = 0; c < 6; ++c) {
+      double sum = 0.0;
+      for (int i = 0; i < 6; ++i)
+        sum += T[8 * i + c] * frames[k].g[i];
+      b_p[pose.offset + c] += sum;
+    }
   }
   return cost;
 }

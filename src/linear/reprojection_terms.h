@@ -61,8 +61,22 @@ class ReprojectionTerms {
   struct Map {
     double T[48] = {};
   };
+  /// Diagonal block of H_pp and b_p of one frame, in twists.
+  struct FrameSum {
+    double H[36] = {};
+    double g[6] = {};
+    bool used = false;
+    void Add(const double* H_add, const double* g_add, double sign_of_g) {
+      for (int i = 0; i < 36; ++i)
+        H[i] += H_add[i];
+      for (int i = 0; i < 6; ++i)
+        g[i] += sign_of_g * g_add[i];
+      used = true;
+    }
+  };
   struct Chunk {
     std::vector<double> panel, reduced, blocks, twist_rhs, twists;
+    std::vector<FrameSum> frames;
   };
 
   void ProjectMaps(const Structure& structure, const Graph& graph);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "kernels/kernels.h"
+#include "linear/block_copy.h"
 
 namespace glissade {
 
@@ -17,7 +18,7 @@ std::size_t Index(std::int64_t i) {
 bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supernode& node,
                                        int* failed_pivot) {
   const std::int64_t stride = node.stride;
-  double* const F = front_.data();
+  double* const F = in_place_ ? factor_.data() + node.factor : front_.data();
   for (int c = 0; c < node.size; ++c)
     std::fill_n(F + c * stride + c, node.size - c, 0.0);
 
@@ -26,10 +27,8 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
     const double* from = system.S + entry.row + std::int64_t{entry.col} * system.stride;
     double* to = F + entry.front_row + entry.front_col * stride;
     if (!entry.transposed) {
-      for (int c = 0; c < entry.cols; ++c, from += system.stride, to += stride) {
-        for (int r = 0; r < entry.rows; ++r)
-          to[r] = from[r];
-      }
+      internal::CopyBlock<internal::BlockCopy::kSet>(entry.rows, entry.cols, from, system.stride,
+                                                     to, stride);
     } else {
       for (int c = 0; c < entry.cols; ++c, from += system.stride, ++to) {
         for (int r = 0; r < entry.rows; ++r)
@@ -40,8 +39,9 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
   // Extend-add the children's Schur complements, block by block.
   for (std::int32_t k = node.child_begin; k < node.child_end; ++k) {
     const Supernode& child = nodes_[Index(children_[Index(k)])];
-    const double* update = stack_.data() + child.update;
-    const std::int64_t rows = child.size - child.cols;
+    const std::int64_t rows = in_place_ ? child.stride : child.size - child.cols;
+    const double* update = in_place_ ? factor_.data() + child.factor + child.cols * (rows + 1)
+                                     : stack_.data() + child.update;
     const std::int32_t first = child.block_begin + child.num_own;
     const std::int32_t* map = parent_offset_.data() + child.map_begin;
     for (std::int32_t j = first; j < child.block_end; ++j) {
@@ -56,10 +56,7 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
             block_offset_[Index(i)];
         const double* from = update + row + col * rows;
         double* to = F + map[i - first] + map[j - first] * stride;
-        for (int c = 0; c < cols; ++c, from += rows, to += stride) {
-          for (int r = 0; r < count; ++r)
-            to[r] += from[r];
-        }
+        internal::CopyBlock<internal::BlockCopy::kAdd>(count, cols, from, rows, to, stride);
       }
     }
   }
@@ -73,6 +70,7 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
         system.offsets[Index(front_blocks_[Index(k)])] + info - 1 - block_offset_[Index(k)];
     return false;
   }
+  if (in_place_) return true;
   std::copy_n(F, stride * node.cols, factor_.data() + node.factor);
   const std::int64_t rows = node.size - node.cols;
   double* update = stack_.data() + node.update;

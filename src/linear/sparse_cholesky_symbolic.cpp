@@ -16,6 +16,7 @@ std::size_t Index(std::int64_t i) {
 }
 
 constexpr double kMaxZeros = 0.35;  // part of a front's own columns that may be explicit zeros
+constexpr std::int64_t kMaxInPlace = 64 * 1024;  // doubles
 }  // namespace
 
 void SparseCholeskySolver::Analyze(const ReducedSystem& system) {
@@ -231,6 +232,19 @@ void SparseCholeskySolver::LayOut(const ReducedSystem& system) {
     largest = std::max(largest, node.size);
     for (int c = 0; c < node.cols; ++c)
       flops += double(node.size - c) * (node.size - c);
+  }
+  // Whole fronts are kept where they fit the second-level cache: what they pass on to their parents
+  // is then read where it was made.
+  std::int64_t fronts = 0;
+  for (const Supernode& node : nodes_)
+    fronts += std::int64_t{node.stride} * node.size;
+  in_place_ = fronts <= kMaxInPlace;
+  if (in_place_) {
+    factor = stack_size = 0;
+    for (Supernode& node : nodes_) {
+      node.factor = factor;
+      factor += std::int64_t{node.stride} * node.size;
+    }
   }
   factor_.resize(Index(factor));
   // A child's update must outlive the assembly of its parent's front only, but siblings' are below

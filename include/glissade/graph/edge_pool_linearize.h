@@ -85,7 +85,7 @@ bool EdgePool<E>::AccumulateWide(const std::int32_t* words, const double* r,
                                  const Jacobians& jacobians, NormalEquationsSink* sink) const {
   // The rows [J | r] side by side; what a fixed vertex has no Jacobian for stays zero.
   constexpr int kStride = internal::WideStride<E>(), kDims = internal::FirstColumn<E>(kArity);
-  double panel[kRows * kStride] = {}, work[kRows * kStride], products[kStride * kStride] = {};
+  double panel[kRows * kStride] = {}, work[kRows * kStride], products[kStride * kStride];
   int column = 0;
   ForEachIndex<kArity>([&](auto i) {
     constexpr int kDim = EdgeVertex<E, i>::kTangentDim;
@@ -123,18 +123,18 @@ void EdgePool<E>::ScatterWide(const std::int32_t* words, const double* products,
   const std::int32_t target = words[plan::Target(kArity, I)];
   if (target == plan::kNone) return;
   for (int k = 0; k < kRow; ++k)
-    sink->b_p[target + k] -= gradient[(kFirst + k) * kStride];
+    sink->b_p[target + k] += gradient[(kFirst + k) * kStride];
   ForEachIndex<I + 1>([&](auto j) {
     const std::int32_t offset = words[plan::HBlock(kArity, plan::Pair(I, j))];
     if (offset == plan::kNone) return;
     constexpr int kCol = EdgeVertex<E, j>::kTangentDim;
     const double* block = products + internal::FirstColumn<E>(j) * kStride + kFirst;
     if (j == I) {
-      internal::AddLower<kRow, kStride>(block, sink->h_pp + offset);
+      internal::SubtractLower<kRow, kStride>(block, sink->h_pp + offset);
     } else if (offset >= 0) {
-      internal::AddBlockTransposed<kRow, kCol, kStride>(block, sink->h_pp + offset);
+      internal::SubtractTransposed<kRow, kCol, kStride>(block, sink->h_pp + offset);
     } else {
-      internal::AddBlock<kCol, kRow, kStride>(block, sink->h_pp + plan::Transposed(offset));
+      internal::SubtractBlock<kCol, kRow, kStride>(block, sink->h_pp + plan::Transposed(offset));
     }
   });
 }

@@ -34,39 +34,39 @@ constexpr int WideStride() {
 }
 
 /// Whitens the rows in `panel` (rows x stride, row-major; columns: J, then r at dims) by L (rows x
-/// rows, row-major; null: identity), weighs them by the loss and puts [J r]'[J r] into `products`
-/// (stride x stride, zero before): products[c * stride + k] for k >= c. Adds 1/2 rho to the cost.
+/// rows, row-major; null: identity), weighs them by the loss and puts -[J r]'[J r] into `products`
+/// (stride x stride): products[c * stride + k] for k >= c. Adds 1/2 rho to the cost.
 /// False where something is not finite. `work` is as large as the panel; both are overwritten.
 bool SquareRows(int rows, int dims, int stride, const double* L, const Loss& loss, double* panel,
                 double* work, double* products, double* cost);
 
-/// out (A x B, row-major) += block, whose rows are kStride apart.
+/// out (A x B, row-major) -= block, whose rows are kStride apart.
 template <int A, int B, int kStride>
-inline void AddBlock(const double* block, double* out) {
+inline void SubtractBlock(const double* block, double* out) {
   for (int a = 0; a < A; ++a) {
     for (int b = 0; b < B; ++b)
-      out[a * B + b] += block[a * kStride + b];
+      out[a * B + b] -= block[a * kStride + b];
   }
 }
 
-/// out (A x B, row-major) += block', block of B rows that are kStride apart.
+/// out (A x B, row-major) -= block', block of B rows that are kStride apart.
 template <int A, int B, int kStride>
-inline void AddBlockTransposed(const double* block, double* out) {
+inline void SubtractTransposed(const double* block, double* out) {
   for (int a = 0; a < A; ++a) {
     for (int b = 0; b < B; ++b)
-      out[a * B + b] += block[b * kStride + a];
+      out[a * B + b] -= block[b * kStride + a];
   }
 }
 
-/// out (A x A, row-major) += the symmetric block of which block[c * kStride + k], k >= c, is given.
+/// out (A x A, row-major) -= the symmetric block of which block[c * kStride + k], k >= c, is given.
 template <int A, int kStride>
-inline void AddLower(const double* block, double* out) {
+inline void SubtractLower(const double* block, double* out) {
   for (int c = 0; c < A; ++c) {
-    out[c * A + c] += block[c * kStride + c];
+    out[c * A + c] -= block[c * kStride + c];
     for (int k = c + 1; k < A; ++k) {
       const double value = block[c * kStride + k];
-      out[c * A + k] += value;
-      out[k * A + c] += value;
+      out[c * A + k] -= value;
+      out[k * A + c] -= value;
     }
   }
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "glissade/base/status.h"
@@ -108,7 +109,8 @@ class NormalEquations {
   void LinearizeChunk(const Structure& structure, const Graph& graph, int chunk);
   void ProjectFreeTangents(const Structure& structure, Graph* graph);
   bool EliminateChunk(const Structure& structure, const DampingTerm& damping, int chunk);
-  void ClearReduced(double* S) const;
+  void ListBlocksOnlyInReduced(const Structure& structure);
+  void ClearBlocks(std::span<const BlockIndex> blocks, double* S) const;
   void ScatterPoseBlocks(const Structure& structure, const DampingTerm& damping);
   void ReduceChunks(int num_chunks, ThreadPool* threads);
 
@@ -140,7 +142,8 @@ class NormalEquations {
   std::vector<std::uint8_t> held_;
   LinearizedStates point_;
   std::vector<std::int32_t> pose_offsets_;
-  std::vector<BlockIndex> reduced_pattern_;
+  std::vector<BlockIndex> reduced_pattern_, only_in_reduced_;
+  std::vector<std::uint8_t> in_h_;
   std::unique_ptr<ReprojectionTerms> reprojections_;
   std::uint64_t pattern_version_ = 0;
   std::uint64_t linearized_ = 0;  // the analysis that H and b belong to

@@ -35,7 +35,7 @@ class SparseCholeskySolver final : public LinearSolver {
     std::int32_t cols = 0;   // scalar columns eliminated here
     std::int32_t size = 0;   // scalar size of the front
     std::int32_t stride = 0;
-    std::int64_t factor = 0;                      // offset of [L11; L21] in factor_
+    std::int64_t factor = 0;                      // offset of [L11; L21] (or the front) in factor_
     std::int64_t update = 0;                      // offset of the Schur complement in the stack
     std::int32_t entry_begin = 0, entry_end = 0;  // entries_: blocks of S that start here
     std::int32_t child_begin = 0, child_end = 0;  // children_
@@ -64,6 +64,7 @@ class SparseCholeskySolver final : public LinearSolver {
 
   std::uint64_t pattern_version_ = 0;
   double flop_ratio_ = 1.0;
+  bool in_place_ = false;                   // fronts stay where they are factored
   std::vector<Supernode> nodes_;            // children before parents
   std::vector<std::int32_t> front_blocks_;  // blocks of each front, in elimination order
   std::vector<std::int32_t> block_offset_;  // scalar offset of each of them in its front

@@ -19,14 +19,6 @@ GLISSADE_INLINE vd Select(vd mask, vd a, vd b) {
                               (reinterpret_cast<vi>(b) & ~lanes));
 }
 
-GLISSADE_INLINE vd Sqrt(vd x) {
-  vd y;
-#pragma GCC unroll 8
-  for (int i = 0; i < kW; ++i)
-    y[i] = __builtin_sqrt(x[i]);
-  return y;
-}
-
 /// A point at infinity has no world point; a billionth of a billionth short of it has, and all that
 /// is made of it agrees to rounding with the limit.
 GLISSADE_INLINE vd AwayFromZero(vd rho) {
@@ -282,38 +274,6 @@ void ReprojectionBackSubstitute(const ReprojectionHost* host, const double* twis
       rhs -= Load(t.force + 2 * t.lanes + lane) * (Splat(z[2]) + (wx * py - wy * px));
     }
     Store(step + lane, rhs * Load(inverse_h + lane));
-  }
-}
-
-constexpr int kTwistStride = 8;
-
-/// out += alpha T_i' B T_j, all 6 x 6 row-major; T with rows of kTwistStride (the rest zero).
-void MapBlock(double alpha, const double* Ti, const double* B, int ldb, const double* Tj,
-              double* out, int row_stride, int col_stride) {
-  constexpr int kVectors = kTwistStride / kW;
-  vd product[6][kVectors];
-  for (int r = 0; r < 6; ++r) {
-#pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) {
-      vd sum = Splat(B[r * ldb]) * Load(Tj + v * kW);
-#pragma GCC unroll 5
-      for (int k = 1; k < 6; ++k)
-        sum += Splat(B[r * ldb + k]) * Load(Tj + k * kTwistStride + v * kW);
-      product[r][v] = sum;
-    }
-  }
-  for (int r = 0; r < 6; ++r) {
-    double row[kTwistStride];
-#pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) {
-      vd sum = Splat(Ti[r]) * product[0][v];
-#pragma GCC unroll 5
-      for (int k = 1; k < 6; ++k)
-        sum += Splat(Ti[k * kTwistStride + r]) * product[k][v];
-      Store(row + v * kW, Splat(alpha) * sum);
-    }
-    for (int c = 0; c < 6; ++c)
-      out[r * row_stride + c * col_stride] += row[c];
   }
 }
 

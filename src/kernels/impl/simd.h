@@ -106,6 +106,17 @@ GLISSADE_INLINE void StoreFirst(double* p, vd v) {
   }
 }
 
+GLISSADE_INLINE vd Sqrt(vd x) {
+#if GLISSADE_KERNEL_WIDTH == 8
+  constexpr int kCurrentRounding = 4;
+  return __builtin_ia32_sqrtpd512_mask(x, x, static_cast<char>(0xff), kCurrentRounding);
+#elif GLISSADE_KERNEL_WIDTH == 4
+  return __builtin_ia32_sqrtpd256(x);
+#else
+  return __builtin_ia32_sqrtpd(x);
+#endif
+}
+
 /// Sum of the lanes, pairwise.
 GLISSADE_INLINE double Sum(vd v) {
 #if GLISSADE_KERNEL_WIDTH == 8

@@ -14,6 +14,7 @@
 #include "kernels/impl/small.h"
 #include "kernels/impl/triangular.h"
 #include "kernels/impl/triangular_many.h"
+#include "kernels/impl/twist_blocks.h"
 #include "kernels/impl/vector.h"
 #include "kernels/kernels.h"
 
@@ -57,6 +58,8 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .reprojection_cost = ReprojectionCost,
     .reprojection_panel = ReprojectionPanel,
     .reprojection_back_substitute = ReprojectionBackSubstitute,
+    .landmark_pivots = LandmarkPivots,
+    .add_twist_blocks = AddTwistBlocks,
     .map_block = MapBlock,
     .invert_spd_small = InvertSpdSmall,
 };

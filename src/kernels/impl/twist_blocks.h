@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Around the fused elimination of kernels/reprojection.h: pivots of the landmarks before it, sums
+// over hosts and the map from twists to the tangent after it.
+
+#ifndef GLISSADE_KERNELS_IMPL_TWIST_BLOCKS_H_
+#define GLISSADE_KERNELS_IMPL_TWIST_BLOCKS_H_
+
+#include "kernels/impl/simd.h"
+#include "kernels/reprojection.h"
+
+namespace glissade::kernels {
+namespace {
+
+int LandmarkPivots(int count, const double* h, const double* b, double lambda, double min_diagonal,
+                   double max_diagonal, double* inverse_h, double* scale, double* beta) {
+  const vd low = Splat(min_diagonal), high = Splat(max_diagonal);
+  int first_bad = -1;
+  for (int lane = 0; lane < count; lane += kW) {
+    const vd x = Load(h + lane);
+    vd d = x < low ? low : x;
+    d = d > high ? high : d;
+    const vd pivot = x + Splat(lambda) * d;
+    // Positive and finite; padding has no pivot, and stays out.
+    const vi good = (pivot > Zero()) & (pivot < Splat(__builtin_inf()));
+    const vd safe = good ? pivot : Splat(1.0);
+    const vd inverse = good ? Splat(1.0) / safe : Zero();
+    const vd root = Sqrt(inverse);
+    const vd bl = Load(b + lane) * root;
+    for (int i = 0; i < kW; ++i) {
+      if (lane + i >= count) {
+        inverse_h[lane + i] = scale[lane + i] = beta[lane + i] = 0.0;
+      } else if (good[i] == 0 && first_bad < 0) {
+        first_bad = lane + i;
+      }
+    }
+    if (lane + kW <= count) {
+      Store(inverse_h + lane, inverse);
+      Store(scale + lane, root);
+      Store(beta + lane, bl);
+    } else {
+      StorePartial(inverse_h + lane, inverse, count - lane);
+      StorePartial(scale + lane, root, count - lane);
+      StorePartial(beta + lane, bl, count - lane);
+    }
+  }
+  return first_bad;
+}
+
+/// to += from, 6 numbers.
+GLISSADE_INLINE void AddSix(const double* from, double* to) {
+#if GLISSADE_KERNEL_WIDTH == 8
+  StorePartial(to, LoadPartial(to, 6) + LoadPartial(from, 6), 6);
+#elif GLISSADE_KERNEL_WIDTH == 4
+  typedef double v2 __attribute__((vector_size(16), aligned(8), may_alias));
+  Store(to, Load(to) + Load(from));
+  *reinterpret_cast<v2*>(to + 4) += *reinterpret_cast<const v2*>(from + 4);
+#else
+#pragma GCC unroll 3
+  for (int i = 0; i < 6; i += 2)
+    Store(to + i, Load(to + i) + Load(from + i));
+#endif
+}
+
+void AddTwistBlocks(int frames, const int32_t* map, const double* reduced, int stride,
+                    double* blocks) {
+  const Index ld = stride;
+  for (int i = 0; i < frames; ++i) {
+    for (int j = 0; j <= i; ++j, ++map) {
+      if (*map == INT32_MIN) continue;
+      const double* from = reduced + 6 * i + 6 * j * ld;
+      if (*map >= 0) {
+        double* to = blocks + 36 * static_cast<Index>(*map);
+#pragma GCC unroll 6
+        for (int c = 0; c < 6; ++c)
+          AddSix(from + c * ld, to + 6 * c);
+      } else {
+        double* to = blocks + 36 * static_cast<Index>(~*map);
+        for (int c = 0; c < 6; ++c) {
+#pragma GCC unroll 6
+          for (int r = 0; r < 6; ++r)
+            to[6 * r + c] += from[r + c * ld];
+        }
+      }
+    }
+  }
+}
+
+constexpr int kTwistStride = 8;
+
+/// out += alpha T_i' B T_j, all 6 x 6 row-major; T with rows of kTwistStride (the rest zero).
+void MapBlock(double alpha, const double* Ti, const double* B, int ldb, const double* Tj,
+              double* out, int row_stride, int col_stride) {
+  constexpr int kVectors = kTwistStride / kW;
+  vd product[6][kVectors];
+  for (int r = 0; r < 6; ++r) {
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) {
+      vd sum = Splat(B[r * ldb]) * Load(Tj + v * kW);
+#pragma GCC unroll 5
+      for (int k = 1; k < 6; ++k)
+        sum += Splat(B[r * ldb + k]) * Load(Tj + k * kTwistStride + v * kW);
+      product[r][v] = sum;
+    }
+  }
+  for (int r = 0; r < 6; ++r) {
+    double row[kTwistStride];
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) {
+      vd sum = Splat(Ti[r]) * product[0][v];
+#pragma GCC unroll 5
+      for (int k = 1; k < 6; ++k)
+        sum += Splat(Ti[k * kTwistStride + r]) * product[k][v];
+      Store(row + v * kW, Splat(alpha) * sum);
+    }
+    for (int c = 0; c < 6; ++c)
+      out[r * row_stride + c * col_stride] += row[c];
+  }
+}
+
+}  // namespace
+}  // namespace glissade::kernels
+
+#endif  // GLISSADE_KERNELS_IMPL_TWIST_BLOCKS_H_
