@@ -126,7 +126,8 @@ struct KernelTable {
                          double* beta);
   /// blocks[m] += block (i, j) of `reduced` (6 x 6 blocks, column-major with `stride`) for all i >=
   /// j, with m the next number of map; transposed into block ~m where m < 0; INT32_MIN: left out.
-  /// Blocks are column-major. Of diagonal blocks the lower triangle counts only.
+  /// Blocks are column-major with columns of 8, of which the last two are scratch; so are two
+  /// numbers behind `reduced`. Of diagonal blocks the lower triangle counts only.
   void (*add_twist_blocks)(int frames, const int32_t* map, const double* reduced, int stride,
                            double* blocks);
   /// out(r, c) += alpha (Ti' B Tj)(r, c), 6 x 6. Ti and Tj row-major with rows of 8 doubles whose

@@ -15,11 +15,14 @@ std::size_t Index(std::int64_t i) {
   return static_cast<std::size_t>(i);
 }
 
-/// 6 x 6, column-major.
+// Twist blocks: 6 x 6, column-major with columns of 8.
+constexpr int kBlockStride = 8;
+constexpr std::size_t kBlockSize = 6 * kBlockStride;
+
 void MirrorLower(double* block) {
   for (int c = 0; c < 6; ++c) {
     for (int r = c + 1; r < 6; ++r)
-      block[6 * r + c] = block[6 * c + r];
+      block[kBlockStride * r + c] = block[kBlockStride * c + r];
   }
 }
 }  // namespace
@@ -30,7 +33,7 @@ int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& 
   if (plan.empty()) return -1;
   const kernels::KernelTable& kernel = kernels::Kernels();
   Chunk& out = chunks_[Index(chunk)];
-  out.blocks.assign(36 * plan.blocks.size(), 0.0);
+  out.blocks.assign(kBlockSize * plan.blocks.size(), 0.0);
   out.twist_rhs.assign(6 * structure.poses().size(), 0.0);
   for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
     const ReprojectionGroup& group = plan.groups[Index(g)];
@@ -52,8 +55,9 @@ int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& 
     if (out.panel.size() < Index(stride) * Index(group.lanes)) {
       out.panel.resize(Index(stride) * Index(group.lanes));
     }
-    if (out.reduced.size() < Index(stride) * Index(rows))
-      out.reduced.resize(Index(stride) * Index(rows));
+    if (out.reduced.size() < Index(stride) * Index(rows) + kBlockStride) {
+      out.reduced.resize(Index(stride) * Index(rows) + kBlockStride);
+    }
     kernel.reprojection_panel(host, scale_.data() + begin, beta_.data() + begin, out.panel.data(),
                               stride);
     // Landmarks see prefixes of the targets: each run of lanes needs the rows of its own only.
@@ -123,10 +127,10 @@ void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& grap
   ProjectMaps(structure, graph);
   for (std::size_t k = 0; k < plan.blocks.size(); ++k) {
     const std::int32_t row = plan.blocks[k].row, col = plan.blocks[k].col;
-    if (row == col) MirrorLower(sum.blocks.data() + 36 * k);
+    if (row == col) MirrorLower(sum.blocks.data() + kBlockSize * k);
     // Blocks are column-major, map_block is row-major: (Tr'B Tc)' = Tc'B'Tr.
-    kernel.map_block(1.0, projected_maps_[Index(col)].T, sum.blocks.data() + 36 * k, 6,
-                     projected_maps_[Index(row)].T,
+    kernel.map_block(1.0, projected_maps_[Index(col)].T, sum.blocks.data() + kBlockSize * k,
+                     kBlockStride, projected_maps_[Index(row)].T,
                      S + structure.poses()[Index(row)].offset +
                          Index(structure.poses()[Index(col)].offset) * Index(stride),
                      stride, 1);

@@ -71,6 +71,18 @@ __attribute__((noinline)) void DiagonalTile(int k, const double* a, Index lda, c
     // Square, so b (the padded copy of the same rows) serves as a.
     TileProduct<kRows, false>(k, b, ldb, b, ldb, kW, t);
   }
+#if GLISSADE_KERNEL_WIDTH == 8
+  static_assert(kNr <= kW, "one vector a column");
+#pragma GCC unroll 8
+  for (int q = 0; q < kNr; ++q) {
+    if (q >= n) return;
+    const unsigned char rows = static_cast<unsigned char>(((1 << n) - 1) & (0xff << q));
+    double* column = c + q * ldc;
+    vd x = Zero();
+    if (kSign != kSetNegative) x = __builtin_ia32_loadupd512_mask(column, x, rows);
+    __builtin_ia32_storeupd512_mask(column, Combine(x, t.v[q][0], kSign), rows);
+  }
+#else
   double s[kNr][kNr];
 #pragma GCC unroll 8
   for (int q = 0; q < kNr; ++q) {
@@ -84,6 +96,7 @@ __attribute__((noinline)) void DiagonalTile(int k, const double* a, Index lda, c
       c[r + q * ldc] = kSign == kAdd ? x + s[q][r] : x - s[q][r];
     }
   }
+#endif
 }
 
 /// Rows [0, m) of one column of tiles.

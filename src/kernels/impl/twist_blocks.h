@@ -48,20 +48,10 @@ int LandmarkPivots(int count, const double* h, const double* b, double lambda, d
   return first_bad;
 }
 
-/// to += from, 6 numbers.
-GLISSADE_INLINE void AddSix(const double* from, double* to) {
-#if GLISSADE_KERNEL_WIDTH == 8
-  StorePartial(to, LoadPartial(to, 6) + LoadPartial(from, 6), 6);
-#elif GLISSADE_KERNEL_WIDTH == 4
-  typedef double v2 __attribute__((vector_size(16), aligned(8), may_alias));
-  Store(to, Load(to) + Load(from));
-  *reinterpret_cast<v2*>(to + 4) += *reinterpret_cast<const v2*>(from + 4);
-#else
-#pragma GCC unroll 3
-  for (int i = 0; i < 6; i += 2)
-    Store(to + i, Load(to + i) + Load(from + i));
-#endif
-}
+// Blocks have columns of 8, so that they are moved in whole vectors: masked ones that overlap the
+// column before would wait for its store.
+constexpr int kTwistStride = 8;
+constexpr int kTwistBlock = 6 * kTwistStride;
 
 void AddTwistBlocks(int frames, const int32_t* map, const double* reduced, int stride,
                     double* blocks) {
@@ -71,23 +61,26 @@ void AddTwistBlocks(int frames, const int32_t* map, const double* reduced, int s
       if (*map == INT32_MIN) continue;
       const double* from = reduced + 6 * i + 6 * j * ld;
       if (*map >= 0) {
-        double* to = blocks + 36 * static_cast<Index>(*map);
+        double* to = blocks + kTwistBlock * static_cast<Index>(*map);
 #pragma GCC unroll 6
-        for (int c = 0; c < 6; ++c)
-          AddSix(from + c * ld, to + 6 * c);
+        for (int c = 0; c < 6; ++c) {
+#pragma GCC unroll 4
+          for (int v = 0; v < kTwistStride; v += kW) {
+            Store(to + kTwistStride * c + v,
+                  Load(to + kTwistStride * c + v) + Load(from + c * ld + v));
+          }
+        }
       } else {
-        double* to = blocks + 36 * static_cast<Index>(~*map);
+        double* to = blocks + kTwistBlock * static_cast<Index>(~*map);
         for (int c = 0; c < 6; ++c) {
 #pragma GCC unroll 6
           for (int r = 0; r < 6; ++r)
-            to[6 * r + c] += from[r + c * ld];
+            to[kTwistStride * r + c] += from[r + c * ld];
         }
       }
     }
   }
 }
-
-constexpr int kTwistStride = 8;
 
 /// out += alpha T_i' B T_j, all 6 x 6 row-major; T with rows of kTwistStride (the rest zero).
 void MapBlock(double alpha, const double* Ti, const double* B, int ldb, const double* Tj,
