@@ -281,10 +281,17 @@ Status Graph::SetLoss(AnyEdge edge, const Loss& loss) {
 }
 
 void Graph::Compact() {
-  for (const auto& pool : edge_pools_)
-    pool->Compact();
-  for (const auto& pool : vertex_pools_)
-    pool->Compact();
+  const auto has_gaps = [](const auto& pool) {
+    return pool->slots().NumAlive() != pool->slots().Size();
+  };
+  // Edges die with their vertices: looking for them edge by edge is worth it only if any did.
+  if (std::any_of(vertex_pools_.begin(), vertex_pools_.end(), has_gaps) ||
+      std::any_of(edge_pools_.begin(), edge_pools_.end(), has_gaps)) {
+    for (const auto& pool : edge_pools_)
+      pool->Compact();
+    for (const auto& pool : vertex_pools_)
+      pool->Compact();
+  }
   SortByAge(&edge_pools_);
   SortByAge(&vertex_pools_);
   for (std::size_t k = 0; k < vertex_pools_.size(); ++k)

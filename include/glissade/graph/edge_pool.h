@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "glissade/edges/concept.h"
@@ -61,6 +62,36 @@ class EdgePool final : public EdgePoolBase {
     identity_.push_back(identity ? 1 : 0);
     loss_of_edge_.push_back(FindOrAddLoss(loss));
     return {address.slot, address.generation};
+  }
+
+  /// All alive, all different, at most one of them eliminated.
+  [[nodiscard]] bool CanJoin(const EdgeVertexHandles<E>& vertices) const {
+    int eliminated = 0;
+    bool ok = true;
+    ForEachIndex<kArity>([&](auto i) {
+      const auto& vertex = std::get<i>(vertices);
+      const auto* pool = std::get<i>(pools_);
+      ok = ok && pool->slots().Contains(vertex.slot, vertex.generation);
+      if (ok && pool->eliminated(pool->slots().IndexOf(vertex.slot))) ++eliminated;
+      ForEachIndex<i>([&](auto j) {
+        if constexpr (std::is_same_v<EdgeVertex<E, i>, EdgeVertex<E, j>>) {
+          ok = ok && vertex.slot != std::get<j>(vertices).slot;
+        }
+      });
+    });
+    return ok && eliminated <= 1;
+  }
+  /// Room for `count` more.
+  void Reserve(std::size_t count) {
+    const auto grow = [&](auto* items) {
+      if (items->capacity() >= items->size() + count) return;
+      items->reserve(std::max(items->size() + count, 2 * items->capacity()));
+    };
+    grow(&edges_);
+    grow(&vertices_);
+    grow(&sqrt_information_);
+    grow(&identity_);
+    grow(&loss_of_edge_);
   }
 
   [[nodiscard]] const E& At(int edge) const { return edges_[Index(edge)]; }

@@ -227,6 +227,9 @@ class Graph {
   Status CheckVertex(const V& value) const;
   template <EdgeType E>
   Status CheckEdge(const E& edge, const EdgeVertexHandles<E>& vertices) const;
+  template <EdgeType E>
+  static Status CheckOptions(const EdgeOptions<E>& options, SquareMatrix<E::kResidualDim>* sqrt,
+                             bool* identity);
   template <VertexType V>
   VertexPool<V>& MakePool();
   template <EdgeType E>

@@ -104,13 +104,19 @@ Result<EdgeHandle<E>> Graph::AddEdge(const E& edge, const EdgeVertexHandles<E>& 
   if (Status status = CheckEdge(edge, vertices); !status.ok()) return status;
   SquareMatrix<E::kResidualDim> sqrt;
   bool identity = true;
-  Status status = internal::MakeSqrtInformation<E::kResidualDim>(
-      options.sqrt_information, options.information, &sqrt, &identity);
-  if (status.ok()) status = options.loss.Validate();
-  if (!status.ok()) return internal::About(status, kTypeInfo<E>.name);
+  if (Status status = CheckOptions(options, &sqrt, &identity); !status.ok()) return status;
   StructureChanged();
   return MakeEdgePool<E>().Add(edge, vertices, sqrt.data(), identity, options.loss,
                                structure_version_);
+}
+
+template <EdgeType E>
+Status Graph::CheckOptions(const EdgeOptions<E>& options, SquareMatrix<E::kResidualDim>* sqrt,
+                           bool* identity) {
+  Status status = internal::MakeSqrtInformation<E::kResidualDim>(
+      options.sqrt_information, options.information, sqrt, identity);
+  if (status.ok()) status = options.loss.Validate();
+  return internal::About(status, kTypeInfo<E>.name);
 }
 
 template <EdgeType E>
@@ -120,17 +126,28 @@ Result<std::vector<EdgeHandle<E>>> Graph::AddEdges(std::span<const E> edges,
   if (edges.size() != vertices.size()) {
     return Status(StatusCode::kInvalidArgument, "as many vertex tuples as edges are needed");
   }
-  for (std::size_t k = 0; k < edges.size(); ++k) {
-    if (Status status = CheckEdge(edges[k], vertices[k]); !status.ok()) {
-      return internal::About(status, "edge " + std::to_string(k));
-    }
-  }
   std::vector<EdgeHandle<E>> handles;
+  if (edges.empty()) return handles;
+  const auto check = [&](std::size_t k) {
+    Status status = CheckEdge(edges[k], vertices[k]);
+    return status.ok() ? status : internal::About(status, "edge " + std::to_string(k));
+  };
+  if (Status status = check(0); !status.ok()) return status;
+  SquareMatrix<E::kResidualDim> sqrt;
+  bool identity = true;
+  if (Status status = CheckOptions(options, &sqrt, &identity); !status.ok()) return status;
+  EdgePool<E>& pool = MakeEdgePool<E>();
+  for (std::size_t k = 1; k < edges.size(); ++k) {
+    // The whole check has the words; most edges need none.
+    if (pool.CanJoin(vertices[k]) && internal::ValidateIfPossible(edges[k]).ok()) continue;
+    if (Status status = check(k); !status.ok()) return status;
+  }
   handles.reserve(edges.size());
+  pool.Reserve(edges.size());
   for (std::size_t k = 0; k < edges.size(); ++k) {
-    auto handle = AddEdge(edges[k], vertices[k], options);
-    if (!handle.ok()) return handle.status();  // the options; nothing was added before the first
-    handles.push_back(handle.value());
+    StructureChanged();
+    handles.push_back(
+        pool.Add(edges[k], vertices[k], sqrt.data(), identity, options.loss, structure_version_));
   }
   return handles;
 }
