@@ -42,6 +42,9 @@ struct Options {
   bool once = false;
   bool trace = false;
   bool converge = false;
+  bool variant = false;  // glissade against itself: with these
+  bool general = false;
+  int threads = 1;
 };
 
 /// Wall clock, or the CPU time of this thread: on a busy machine the former counts what others do,
@@ -161,13 +164,18 @@ void Compare(const std::string& file, const std::vector<ViowinWindow>& windows, 
     SolveCeres(&theirs, ceres_options);
     for (int round = 0; round < o.rounds; ++round) {
       for (int turn = 0; turn < 2; ++turn) {
+        // Two solves in a row, both counted: the first finds the caches of the other side.
         if ((turn + round) % 2 == 0) {
-          a = SolveCeres(&theirs, ceres_options);
-          ms[0].push_back(a.ms);
-          whole[0].push_back(a.whole_ms);
+          for (int repeat = 0; repeat < 2; ++repeat) {
+            a = SolveCeres(&theirs, ceres_options);
+            ms[0].push_back(a.ms);
+            whole[0].push_back(a.whole_ms);
+          }
         } else {
-          b = ours.Solve(options);
-          ms[1].push_back(b.ms);
+          for (int repeat = 0; repeat < 2; ++repeat) {
+            b = ours.Solve(options);
+            ms[1].push_back(b.ms);
+          }
           whole[1].push_back(WholeGlissade(window, o.kind, options));
         }
       }
@@ -200,6 +208,41 @@ void Compare(const std::string& file, const std::vector<ViowinWindow>& windows, 
               other_steps > 0 ? "  (NOT all windows: 8)" : "");
   std::printf("  mean final cost  ceres %.7f  glissade %.7f   worst excess of glissade %.2e\n",
               Mean(ceres_cost), Mean(our_cost), worst);
+  std::fflush(stdout);
+}
+
+// ---- glissade against itself -------------------------------------------------------------------
+
+/// Two threads against one, or the general path, which edges of a user take, against the fused one.
+void CompareVariant(const std::string& file, const std::vector<ViowinWindow>& windows,
+                    const Options& o) {
+  const SolveOptions options = CeresStyle(kSteps);
+  SolveOptions variant = options;
+  variant.num_threads = o.threads;
+  variant.fuse_reprojections = !o.general;
+  std::vector<double> our_ms, variant_ms, ratio;
+  int different = 0;
+  for (const ViowinWindow& window : windows) {
+    GlissadeWindow ours(window, o.kind), other(window, o.kind);
+    std::vector<double> ms[2];
+    Run a = ours.Solve(options), b = other.Solve(variant);
+    for (int round = 0; round < 2 * o.rounds; ++round) {
+      a = ours.Solve(options);
+      ms[0].push_back(a.ms);
+      b = other.Solve(variant);
+      ms[1].push_back(b.ms);
+    }
+    our_ms.push_back(Median(ms[0]));
+    variant_ms.push_back(Median(ms[1]));
+    ratio.push_back(variant_ms.back() / our_ms.back());
+    different += a.cost != b.cost;
+  }
+  std::printf(
+      "%s %s, %d threads, %s path: %.4f ms against %.4f, ratio median %.3f  min %.3f  max "
+      "%.3f; final costs that differ in a bit: %d of %zu\n",
+      file.c_str(), o.kind == WindowKind::kVision ? "vision" : "imu", o.threads,
+      o.general ? "general" : "fused", Median(variant_ms), Median(our_ms), Median(ratio),
+      Quantile(ratio, 0.0), Quantile(ratio, 1.0), different, windows.size());
   std::fflush(stdout);
 }
 
@@ -332,7 +375,7 @@ int Usage(const char* why) {
   std::fprintf(
       stderr,
       "bench_window: %s\nbench_window [--imu] [--cpu-time] [--rounds N] [--converge | --jitter N | "
-      "--once] FILE...\n",
+      "--once | --threads N | --general] FILE...\n",
       why);
   return 2;
 }
@@ -352,6 +395,11 @@ int main(int argc, char** argv) {
       if ((o.rounds = number()) < 1) return Usage("--rounds: a number from 1 on");
     } else if (arg == "--jitter") {
       if ((o.jitter = number()) < 1) return Usage("--jitter: a number from 1 on");
+    } else if (arg == "--threads") {
+      if ((o.threads = number()) < 1) return Usage("--threads: a number from 1 on");
+      o.variant = true;
+    } else if (arg == "--general") {
+      o.general = o.variant = true;
     } else if (arg == "--trace") {
       o.trace = true;
     } else if (arg == "--once") {
@@ -380,6 +428,8 @@ int main(int argc, char** argv) {
         std::printf("%.10g\n", window.Solve(CeresStyle(kSteps)).cost);
     } else if (o.jitter > 0) {
       Jitter(file, windows->front(), o);
+    } else if (o.variant) {
+      CompareVariant(file, *windows, o);
     } else if (o.converge) {
       Converge(file, *windows, o);
     } else {
