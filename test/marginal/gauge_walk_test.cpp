@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "common/sanitized.h"
 #include "glissade/marginal/marginalize.h"
 #include "glissade/problem/problem.h"
 #include "support/vi_walk.h"
@@ -72,7 +73,7 @@ void Print(const char* name, const WalkResult& r, int steps) {
 }
 
 TEST(GaugeWalk, TenThousandMarginalizationsWithFirstEstimatesGainNothing) {
-  constexpr int kSteps = 10000;
+  constexpr int kSteps = test::kSanitized ? 500 : 10000;
   const WalkResult r = Walk(FirstEstimates::kFull, kSteps);
   Print("square root, kFull", r, kSteps);
   for (const double kappa : r.worst_kappa)
@@ -80,7 +81,7 @@ TEST(GaugeWalk, TenThousandMarginalizationsWithFirstEstimatesGainNothing) {
 }
 
 TEST(GaugeWalk, SoWithTheSchurForm) {
-  constexpr int kSteps = 1000;
+  constexpr int kSteps = test::kSanitized ? 50 : 1000;
   MarginalizeOptions options;
   options.form = MarginalForm::kSchur;
   const WalkResult r = Walk(FirstEstimates::kFull, kSteps, options);
