@@ -242,9 +242,10 @@ TEST(MoveToGauge, ChartsAndReferencesGoAlong) {
   ASSERT_TRUE(MoveToGauge(&problem, Gauge::Fixed{scene.poses[2], Elsewhere(12)}).ok());
   ASSERT_EQ(problem.gauge_references().size(), 2u);
   const Pose now = problem.Get(scene.poses[0]).pose;
+  // Up to what the solve in between, which held another pose, moved the anchor: to convergence.
   EXPECT_LT(
       (now.p() - Vector3(Eigen::Map<const Vector3>(problem.gauge_references()[0].pose))).norm(),
-      1e-12);
+      1e-6);
 }
 
 class MoveWindows : public ::testing::TestWithParam<const char*> {};
