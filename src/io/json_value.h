@@ -30,8 +30,8 @@ struct JsonValue {
 /// "number", "object", ...
 std::string_view ToString(JsonValue::Kind kind);
 
-/// Reads a file, plain or compressed, of at most 256 kB and 64 levels. kIoError, or kParseError with
-/// "path:line: what was expected".
+/// Reads a file, plain or compressed, of at most 256 kB and 64 levels. kIoError, or kParseError
+/// with "path:line: what was expected".
 Result<JsonValue> ReadJson(const std::string& path);
 
 }  // namespace glissade::internal

@@ -16,7 +16,8 @@ namespace glissade {
 struct GaugeReference {
   AnyVertex anchor;
   double pose[7] = {0, 0, 0, 0, 0, 0, 1};
-  // Without IMU and with one camera: whose camera centre carries the scale, and in which coordinate.
+  // Without IMU and with one camera: whose camera centre carries the scale, and in which
+  // coordinate.
   AnyVertex second;
   int axis = 0;
   double coordinate = 0.0;
