@@ -217,7 +217,7 @@ StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& 
     return failure;
   }
   ReduceChunks(num_copies, threads);
-  reprojections_->AddReduced(structure, graph, S_[0].data(), stride_, b_s_[0].data());
+  reprojections_->AddReduced(structure, graph, threads, S_[0].data(), stride_, b_s_[0].data());
   return {};
 }
 

@@ -111,6 +111,7 @@ void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& gr
       return;
     }
   }
+  reprojections_->UpdateChunk(structure, graph, chunk);
   out.cost = sink.cost + reprojections_->Linearize(structure, chunk, sink.h_pp, sink.b_p);
 }
 
@@ -153,12 +154,7 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
   if (const StepFailure failure = CheckCosts(structure, *graph, cost); !failure.ok()) {
     return failure;
   }
-  for (int c = 1; c < num_chunks; ++c) {
-    for (std::size_t k = 0; k < h_pp_[0].size(); ++k)
-      h_pp_[0][k] += h_pp_[Index(c)][k];
-    for (std::size_t k = 0; k < b_p_[0].size(); ++k)
-      b_p_[0][k] += b_p_[Index(c)][k];
-  }
+  if (num_chunks > 1) SumChunks(num_chunks, threads);
   ProjectFreeTangents(structure, graph);
 
   // diag(H) and b in one vector each.
@@ -185,6 +181,22 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
   }
   linearized_ = structure.analysis();
   return {};
+}
+
+void NormalEquations::SumChunks(int num_chunks, ThreadPool* threads) {
+  // Each task takes a part of H_pp over all chunks.
+  const std::size_t size = h_pp_[0].size();
+  threads->Run(num_chunks, [&](int task) {
+    const std::size_t end = size * Index(task + 1) / Index(num_chunks);
+    for (int c = 1; c < num_chunks; ++c) {
+      for (std::size_t k = size * Index(task) / Index(num_chunks); k < end; ++k)
+        h_pp_[0][k] += h_pp_[Index(c)][k];
+    }
+  });
+  for (int c = 1; c < num_chunks; ++c) {
+    for (std::size_t k = 0; k < b_p_[0].size(); ++k)
+      b_p_[0][k] += b_p_[Index(c)][k];
+  }
 }
 
 void NormalEquations::ProjectFreeTangents(const Structure& structure, Graph* graph) {
@@ -240,6 +252,7 @@ StepFailure NormalEquations::Cost(const Structure& structure, const Graph& graph
         return;
       }
     }
+    reprojections_->UpdateChunk(structure, graph, c);
     chunk.cost = sink.cost + reprojections_->Cost(structure, c);
   });
   return CheckCosts(structure, graph, cost);

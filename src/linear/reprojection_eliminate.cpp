@@ -111,38 +111,50 @@ void ReprojectionTerms::ProjectMaps(const Structure& structure, const Graph& gra
   }
 }
 
-void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& graph, double* S,
-                                   int stride, double* b_s) {
+void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& graph,
+                                   ThreadPool* threads, double* S, int stride, double* b_s) {
   const ReprojectionPlan& plan = structure.reprojections();
   if (plan.empty()) return;
   const kernels::KernelTable& kernel = kernels::Kernels();
-  Chunk& sum = chunks_.front();
-  for (int c = 1; c < structure.num_chunks(); ++c) {
-    const Chunk& other = chunks_[Index(c)];
-    for (std::size_t k = 0; k < sum.blocks.size(); ++k)
-      sum.blocks[k] += other.blocks[k];
-    for (std::size_t k = 0; k < sum.twist_rhs.size(); ++k)
-      sum.twist_rhs[k] += other.twist_rhs[k];
-  }
   ProjectMaps(structure, graph);
-  for (std::size_t k = 0; k < plan.blocks.size(); ++k) {
-    const std::int32_t row = plan.blocks[k].row, col = plan.blocks[k].col;
-    if (row == col) MirrorLower(sum.blocks.data() + kBlockSize * k);
-    // Blocks are column-major, map_block is row-major: (Tr'B Tc)' = Tc'B'Tr.
-    kernel.map_block(1.0, projected_maps_[Index(col)].T, sum.blocks.data() + kBlockSize * k,
-                     kBlockStride, projected_maps_[Index(row)].T,
-                     S + structure.poses()[Index(row)].offset +
-                         Index(structure.poses()[Index(col)].offset) * Index(stride),
-                     stride, 1);
-    if (row != col) continue;
-    const double* T = projected_maps_[Index(row)].T;
-    double* b = b_s + structure.poses()[Index(row)].offset;
-    for (int c = 0; c < 6; ++c) {
-      double value = 0.0;
-      for (int i = 0; i < 6; ++i)
-        value += T[8 * i + c] * sum.twist_rhs[Index(6 * row + i)];
-      b[c] += value;
+  const int num_chunks = structure.num_chunks();
+  const std::size_t num_blocks = plan.blocks.size();
+  // Each task takes a part of the blocks: their sum over chunks, in the tangent.
+  threads->Run(num_chunks, [&](int task) {
+    const std::size_t end = num_blocks * Index(task + 1) / Index(num_chunks);
+    for (std::size_t k = num_blocks * Index(task) / Index(num_chunks); k < end; ++k) {
+      double* const block = chunks_.front().blocks.data() + kBlockSize * k;
+      for (int c = 1; c < num_chunks; ++c) {
+        const double* other = chunks_[Index(c)].blocks.data() + kBlockSize * k;
+        for (std::size_t i = 0; i < kBlockSize; ++i)
+          block[i] += other[i];
+      }
+      const std::int32_t row = plan.blocks[k].row, col = plan.blocks[k].col;
+      if (row == col) MirrorLower(block);
+      // Blocks are column-major, map_block is row-major: (Tr'B Tc)' = Tc'B'Tr.
+      kernel.map_block(1.0, projected_maps_[Index(col)].T, block, kBlockStride,
+                       projected_maps_[Index(row)].T,
+                       S + structure.poses()[Index(row)].offset +
+                           Index(structure.poses()[Index(col)].offset) * Index(stride),
+                       stride, 1);
+      if (row == col) AddRhs(structure, row, b_s);
     }
+  });
+}
+
+void ReprojectionTerms::AddRhs(const Structure& structure, std::int32_t block, double* b_s) const {
+  double sum[6] = {};
+  for (int c = 0; c < structure.num_chunks(); ++c) {
+    for (int i = 0; i < 6; ++i)
+      sum[i] += chunks_[Index(c)].twist_rhs[Index(6 * block + i)];
+  }
+  const double* T = projected_maps_[Index(block)].T;
+  double* b = b_s + structure.poses()[Index(block)].offset;
+  for (int c = 0; c < 6; ++c) {
+    double value = 0.0;
+    for (int i = 0; i < 6; ++i)
+      value += T[8 * i + c] * sum[i];
+    b[c] += value;
   }
 }
 

@@ -161,18 +161,25 @@ void ReprojectionTerms::Update(const Structure& structure, const Graph& graph) {
   const ReprojectionPlan& plan = structure.reprojections();
   if (plan.empty()) return;
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
-  const VertexPool<VertexInverseDepth>& depths = *graph.Pool<VertexInverseDepth>();
   // Moments are taken about a point among the cameras, so that they do not grow with the distance
   // from the world's origin.
   std::copy_n(poses.At(plan.groups.front().host.pose).pose.data, 3, origin_);
   UpdateCameras(poses);
-  for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-    UpdateHost(plan, plan.groups[g],
-               cameras_.data() + Index(extrinsic_of_group_[g]) * Index(poses.size()), &hosts_[g]);
-  }
-  for (std::size_t lane = 0; lane < plan.landmark_of_lane.size(); ++lane) {
-    const std::int32_t landmark = plan.landmark_of_lane[lane];
-    if (landmark >= 0) rho_[lane] = depths.At(landmark).rho;
+}
+
+void ReprojectionTerms::UpdateChunk(const Structure& structure, const Graph& graph, int chunk) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return;
+  const std::size_t poses = Index(graph.Pool<VertexPose>()->size());
+  const VertexPool<VertexInverseDepth>& depths = *graph.Pool<VertexInverseDepth>();
+  for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
+    const ReprojectionGroup& group = plan.groups[Index(g)];
+    UpdateHost(plan, group, cameras_.data() + Index(extrinsic_of_group_[Index(g)]) * poses,
+               HostOf(g));
+    for (std::int32_t k = group.lane_begin; k < group.lane_begin + group.lanes; ++k) {
+      const std::int32_t landmark = plan.landmark_of_lane[Index(k)];
+      if (landmark >= 0) rho_[Index(k)] = depths.At(landmark).rho;
+    }
   }
 }
 

@@ -22,8 +22,10 @@ class ReprojectionTerms {
   /// Measurements, weights and losses as arrays; once per analysis, and where weights changed.
   void Pack(const Structure& structure, const Graph& graph);
 
-  /// Cameras and inverse depths at the graph's present values.
+  /// Cameras at the graph's present values; then, for each chunk, what pairs of them and inverse
+  /// depths make.
   void Update(const Structure& structure, const Graph& graph);
+  void UpdateChunk(const Structure& structure, const Graph& graph, int chunk);
   /// T at the same values, for Linearize. Not for Cost: after a rejected step what is eliminated
   /// once more is still the old linearization.
   void UpdateMaps(const Structure& structure, const Graph& graph);
@@ -39,8 +41,8 @@ class ReprojectionTerms {
   int Eliminate(const Structure& structure, const DampingTerm& damping, int chunk);
   /// Takes the sum over chunks to the tangent and adds it to S (column-major lower) and b_s. P
   /// projects partly fixed poses.
-  void AddReduced(const Structure& structure, const Graph& graph, double* S, int stride,
-                  double* b_s);
+  void AddReduced(const Structure& structure, const Graph& graph, ThreadPool* threads, double* S,
+                  int stride, double* b_s);
   void BackSubstitute(const Structure& structure, const std::vector<double>& dx, int chunk,
                       double* step);
   /// sum over lanes of dl (2 W'dp + h dl): the fused landmarks' part of d'H d. T P of the last
@@ -80,6 +82,7 @@ class ReprojectionTerms {
   };
 
   void ProjectMaps(const Structure& structure, const Graph& graph);
+  void AddRhs(const Structure& structure, std::int32_t block, double* b_s) const;
   void Apply(const Structure& structure, const std::vector<double>& dx, int chunk,
              const double* factor, double* out);
   void ListExtrinsics(const ReprojectionPlan& plan, const EdgePool<EdgeReprojection>& pool);

@@ -238,7 +238,9 @@ void Structure::ListLandmarkEdges(const Graph& graph) {
 }
 
 void Structure::CutIntoChunks() {
-  num_chunks_ = std::clamp(num_edges_ / kEdgesPerChunk, 1, kMaxChunks);
+  // An even number, so that two threads end together.
+  const int chunks = num_edges_ / kEdgesPerChunk;
+  num_chunks_ = std::clamp(chunks > 1 ? chunks + chunks % 2 : 1, 1, kMaxChunks);
   // Cut where the edges are shared out evenly.
   const int num_landmarks = static_cast<int>(landmarks_.size());
   const std::int64_t total = landmark_edges_begin_[Index(num_landmarks)];

@@ -107,6 +107,7 @@ class NormalEquations {
  private:
   void Resize(const Structure& structure);
   void LinearizeChunk(const Structure& structure, const Graph& graph, int chunk);
+  void SumChunks(int num_chunks, ThreadPool* threads);
   void ProjectFreeTangents(const Structure& structure, Graph* graph);
   bool EliminateChunk(const Structure& structure, const DampingTerm& damping, int chunk);
   void ListBlocksOnlyInReduced(const Structure& structure);
