@@ -4,10 +4,10 @@
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
+#include "common/data_dir.h"
 #include "glissade/bridge/ceres.h"
 #include "glissade/graph/builtin_pools.h"
 #include "glissade/io/bal.h"
@@ -28,9 +28,7 @@ struct BalCase {
 class BalTest : public testing::TestWithParam<BalCase> {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("GLISSADE_DATA");
-    const std::filesystem::path dir(data != nullptr ? data : GLISSADE_SOURCE_DIR "/../shared/data");
-    const std::filesystem::path path = dir / "bal" / GetParam().file;
+    const std::filesystem::path path = DataDir() / "bal" / GetParam().file;
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no file " << path;
     const auto bal = ReadBal(path.string());
     ASSERT_TRUE(bal.ok()) << bal.status().message();

@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
+#include "common/data_dir.h"
 #include "glissade/edges/marginal_prior.h"
 #include "glissade/gauge/nullspace.h"
 #include "glissade/io/viowin.h"
@@ -251,10 +251,7 @@ TEST(MoveToGauge, ChartsAndReferencesGoAlong) {
 class MoveWindows : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(MoveWindows, CostsStay) {
-  const char* data = std::getenv("GLISSADE_DATA");
-  const auto path =
-      std::filesystem::path(data != nullptr ? data : GLISSADE_SOURCE_DIR "/../shared/data") /
-      "windows" / GetParam();
+  const auto path = DataDir() / "windows" / GetParam();
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no file " << path;
   const auto windows = ReadViowin(path.string());
   ASSERT_TRUE(windows.ok());

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <numbers>
 
+#include "common/data_dir.h"
 #include "glissade/imu/buffer.h"
 #include "glissade/imu/imu_factor.h"
 #include "glissade/io/viotracks.h"
@@ -29,11 +29,7 @@ struct Limits {
 class EurocPropagation : public ::testing::TestWithParam<Limits> {};
 
 TEST_P(EurocPropagation, HalfASecondFromTheTruth) {
-  const char* data = std::getenv("GLISSADE_DATA");
-  const std::filesystem::path root =
-      data != nullptr ? std::filesystem::path(data)
-                      : std::filesystem::path(GLISSADE_SOURCE_DIR) / "../shared/data";
-  const auto folder = root / "vio" / GetParam().name;
+  const auto folder = test::DataDir() / "vio" / GetParam().name;
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const auto read = ReadViotracks(folder.string());
   ASSERT_TRUE(read.ok()) << read.status().message();

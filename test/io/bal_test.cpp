@@ -6,11 +6,11 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <limits>
 
+#include "common/data_dir.h"
 #include "glissade/losses/huber.h"
 #include "glissade/vertices/pose.h"
 #include "io/temp_file.h"
@@ -219,9 +219,7 @@ TEST(Bal, ToAGraphAndBack) {
 }
 
 TEST(Bal, PublishedProblems) {
-  const char* data = std::getenv("GLISSADE_DATA");
-  const std::filesystem::path dir =
-      std::filesystem::path(data != nullptr ? data : GLISSADE_SOURCE_DIR "/../shared/data") / "bal";
+  const std::filesystem::path dir = test::DataDir() / "bal";
   if (!std::filesystem::exists(dir)) GTEST_SKIP() << "no folder " << dir;
   const struct {
     const char* name;

@@ -6,16 +6,15 @@
 
 #include <cmath>
 
+#include "common/data_dir.h"
 #include "glissade/sim/course_scene.h"
 #include "io/temp_file.h"
 
 namespace glissade {
 namespace {
 
-const char* const kFrozen = GLISSADE_SOURCE_DIR "/data/course_scene.txt";
-
 TEST(CourseSceneFile, GeneratorAndFrozenFileAgreeBitForBit) {
-  const auto frozen = ReadCourseScene(kFrozen);
+  const auto frozen = ReadCourseScene((test::SourceDir() / "data/course_scene.txt").string());
   ASSERT_TRUE(frozen.ok()) << frozen.status().message();
   ASSERT_EQ(frozen->poses.size(), 3u);
   ASSERT_EQ(frozen->points.size(), 20u);

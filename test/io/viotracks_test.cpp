@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
+#include "common/data_dir.h"
 #include "io/temp_file.h"
 
 namespace glissade {
@@ -192,10 +192,6 @@ TEST(Euroc, StampsAndTruth) {
 }
 
 TEST(Viotracks, PublishedRecordings) {
-  const char* data = std::getenv("GLISSADE_DATA");
-  const std::filesystem::path root =
-      data != nullptr ? std::filesystem::path(data)
-                      : std::filesystem::path(GLISSADE_SOURCE_DIR) / "../shared/data";
   const struct {
     const char* name;
     std::size_t cameras, frames, imu;
@@ -205,7 +201,7 @@ TEST(Viotracks, PublishedRecordings) {
               {"malaga_parking6L", 1, 170, 0, true},
               {"kitti_0930_0020", 2, 1000, 0, false}};
   for (const auto& run : runs) {
-    const auto folder = root / "vio" / run.name;
+    const auto folder = test::DataDir() / "vio" / run.name;
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
     const auto read = ReadViotracks(folder.string());
     ASSERT_TRUE(read.ok()) << read.status().message();

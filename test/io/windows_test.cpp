@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -12,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/data_dir.h"
 #include "glissade/graph/builtin_pools.h"
 #include "glissade/io/viowin.h"
 #include "glissade/problem/problem.h"
@@ -26,9 +26,7 @@ struct Reference {
 };
 
 std::filesystem::path Folder() {
-  const char* data = std::getenv("GLISSADE_DATA");
-  return std::filesystem::path(data != nullptr ? data : GLISSADE_SOURCE_DIR "/../shared/data") /
-         "windows";
+  return test::DataDir() / "windows";
 }
 
 std::map<std::string, std::vector<Reference>> ReadReferences() {
