@@ -6,20 +6,17 @@
 #include <sys/resource.h>
 
 #include <chrono>
-#include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "common/ceres.h"
-#include "common/cli.h"
-#include "common/course.h"
+#include "common/interrupt.h"
 #include "common/output_file.h"
+#include "common/program.h"
+#include "common/solver_options.h"
+#include "common/version.h"
 #include "glissade/io/bal.h"
-#include "glissade/losses/cauchy.h"
-#include "glissade/losses/huber.h"
-#include "glissade/losses/tukey.h"
 #include "glissade/problem/problem.h"
 
 namespace {
@@ -46,92 +43,37 @@ Columns of the table, one line per step (x: rejected):
 
 Examples:
   ba_solve problem-49-7776-pre.txt.gz
-  ba_solve problem.txt --loss huber --loss-width 2 --output solved.txt.gz
+  ba_solve problem.txt --loss huber:2 --output solved.txt.gz
   ba_solve problem.txt --iterations 20 --tolerance 0     exactly 20 steps
   ba_solve problem.txt --linear-solver pcg --threads 4 --json result.json
   ba_solve problem.txt --compare-ceres                   the same with Ceres, side by side
 
-Exit code: 0 where a solution was found, converged or not; 2 where the file or an option makes no
-sense.)";
+Ctrl-C ends the solve: the best solution so far is written like any other.
+
+Exit code: 0 where a solution was found, converged or not; 130 after Ctrl-C; 2 where the file or an
+option makes no sense.)";
 
 struct Options {
   std::string file;
-  std::string linear_solver = "dense";
-  int iterations = 50;
-  int threads = 1;
-  std::string loss = "none";
-  double loss_width = 1.0;
-  std::optional<double> tolerance;
+  app::SolverOptions solver;
   std::string output;
   std::string json;
   bool compare_ceres = false;
 };
 
-void AddOptions(CLI::App& app, Options& o) {
-  app.add_option("FILE", o.file, "BAL problem: .txt, .txt.gz, .txt.bz2")->required();
-  app.add_option(
-         "--linear-solver", o.linear_solver,
-         "Of the reduced camera system: 'dense' (default), a Cholesky factorization; 'pcg', "
-         "conjugate gradients with block-Jacobi preconditioner")
-      ->type_name("WHICH");
-  app.add_option("--iterations", o.iterations, "At most N steps (default 50)")->type_name("N");
-  app.add_option("--threads", o.threads, "Threads; the result is the same bits (default 1)")
-      ->type_name("N");
-  app.add_option("--loss", o.loss, "'none' (default), 'huber', 'cauchy' or 'tukey'")
-      ->type_name("WHICH");
-  app.add_option("--loss-width", o.loss_width, "Width of the loss (px; default 1)")->type_name("W");
-  app.add_option(
-         "--tolerance", o.tolerance,
-         "Stop when the cost falls by less than T of itself (default 1e-9). 0: all stopping "
-         "rules off")
-      ->type_name("T");
-  app.add_option("--output", o.output, "Write the solution to FILE, .gz and .bz2 compressed")
-      ->type_name("FILE");
-  app.add_option("--json", o.json, "Write the figures of the solve to FILE")->type_name("FILE");
-  app.add_flag("--compare-ceres", o.compare_ceres, "Solve with Ceres too, under the same limits");
-}
-
-Status MakeLoss(const Options& o, Loss* loss) {
-  if (o.loss == "none") {
-    *loss = Loss();
-  } else if (o.loss == "huber") {
-    *loss = Huber{o.loss_width};
-  } else if (o.loss == "cauchy") {
-    *loss = Cauchy{o.loss_width};
-  } else if (o.loss == "tukey") {
-    *loss = Tukey{o.loss_width};
-  } else {
-    return {StatusCode::kInvalidArgument,
-            "--loss: must be none, huber, cauchy or tukey, not " + o.loss};
-  }
-  if (!std::isfinite(o.loss_width) || o.loss_width <= 0.0) {
-    return {StatusCode::kInvalidArgument,
-            fmt::format("--loss-width: must be a finite number > 0, not {:g}", o.loss_width)};
-  }
-  return {};
-}
-
-Status MakeSolveOptions(const Options& o, SolveOptions* solve, Loss* loss) {
-  if (Status s = app::FirstError({app::SetLinearSolver(o.linear_solver, solve), MakeLoss(o, loss),
-                                  app::CheckRange("--iterations", o.iterations, 0, 1000000),
-                                  app::CheckRange("--threads", o.threads, 1, 1024)});
-      !s.ok()) {
-    return s;
-  }
-  solve->max_iterations = o.iterations;
-  solve->num_threads = o.threads;
-  if (o.tolerance) {
-    if (Status s = app::CheckAtLeast("--tolerance", *o.tolerance, 0.0); !s.ok()) return s;
-    solve->cost_tolerance = *o.tolerance;
-    if (*o.tolerance == 0.0) solve->gradient_tolerance = solve->step_tolerance = 0.0;
-  }
-  if (o.compare_ceres && !app::HaveCeres()) {
-    return {StatusCode::kInvalidArgument,
-            "--compare-ceres: this program was built without Ceres (2.1 or newer)"};
-  }
-  return app::FirstError({app::CheckDifferent("--output", o.output, "--json", o.json),
-                          app::CheckWritable("--output", o.output),
-                          app::CheckWritable("--json", o.json)});
+void AddOptions(app::Program& program, Options& o) {
+  CLI::App& cli = program.cli();
+  cli.add_option("FILE", o.file, "BAL problem: .txt, .txt.gz, .txt.bz2")->required();
+  app::AddMethod(cli, &o.solver);
+  app::AddLinearSolver(cli, &o.solver);
+  app::AddLoss(cli, &o.solver, "px");
+  app::AddIterations(cli, &o.solver);
+  app::AddTolerance(cli, &o.solver);
+  app::AddThreads(cli, &o.solver);
+  program.AddOutputFile("--output", &o.output,
+                        "Write the solution to FILE, .gz and .bz2 compressed");
+  program.AddOutput("--json", &o.json, "Write the figures of the solve to FILE");
+  cli.add_flag("--compare-ceres", o.compare_ceres, "Solve with Ceres too, under the same limits");
 }
 
 /// Why a solve failed, in the words of the file.
@@ -155,28 +97,31 @@ double PeakMemoryMb() {
 }
 
 void PrintComparison(const SolveSummary& ours, const app::CeresResult& ceres) {
-  fmt::print("\n{:<10} {:>16} {:>16} {:>11} {:>10}  {}\n", "", "initial cost", "final cost",
+  app::Print("\n{:<10} {:>16} {:>16} {:>11} {:>10}  {}\n", "", "initial cost", "final cost",
              "iterations", "time [s]", "status");
-  fmt::print("{:<10} {:>16.9e} {:>16.9e} {:>11} {:>10.3f}  {}\n", "glissade", ours.initial_cost,
+  app::Print("{:<10} {:>16.9e} {:>16.9e} {:>11} {:>10.3f}  {}\n", "glissade", ours.initial_cost,
              ours.final_cost, ours.accepted_steps + ours.rejected_steps, ours.time.total_s,
              ToString(ours.termination));
-  fmt::print("{:<10} {:>16.9e} {:>16.9e} {:>11} {:>10.3f}  {} ({})\n", "ceres", ceres.initial_cost,
+  app::Print("{:<10} {:>16.9e} {:>16.9e} {:>11} {:>10.3f}  {} ({})\n", "ceres", ceres.initial_cost,
              ceres.final_cost, ceres.iterations, ceres.time_s, ceres.status, ceres.linear_solver);
 }
 
 nlohmann::ordered_json ToJson(const BalProblem& bal, const SolveSummary& summary, const Options& o,
                               double peak_rss_mb) {
-  return {{"cameras", bal.cameras.size()},
-          {"points", bal.points.size()},
-          {"observations", bal.observations.size()},
-          {"initial_cost", summary.initial_cost},
-          {"final_cost", summary.final_cost},
-          {"iterations", summary.accepted_steps + summary.rejected_steps},
-          {"status", ToString(summary.termination)},
-          {"time_s", summary.time.total_s},
-          {"peak_rss_mb", peak_rss_mb},
-          {"linear_solver", o.linear_solver},
-          {"threads", o.threads}};
+  nlohmann::ordered_json json = app::JsonHeader(kName, o.file);
+  json.update({{"cameras", bal.cameras.size()},
+               {"points", bal.points.size()},
+               {"observations", bal.observations.size()},
+               {"initial_cost", summary.initial_cost},
+               {"final_cost", summary.final_cost},
+               {"iterations", summary.accepted_steps + summary.rejected_steps},
+               {"status", ToString(summary.termination)},
+               {"time_s", summary.time.total_s},
+               {"peak_rss_mb", peak_rss_mb},
+               {"method", o.solver.method},
+               {"linear_solver", o.solver.linear_solver},
+               {"threads", o.solver.solve.num_threads}});
+  return json;
 }
 
 nlohmann::ordered_json ToJson(const app::CeresResult& ceres) {
@@ -188,19 +133,17 @@ nlohmann::ordered_json ToJson(const app::CeresResult& ceres) {
           {"linear_solver", ceres.linear_solver}};
 }
 
-int Run(const Options& o) {
-  SolveOptions solve;
-  Loss loss;
-  if (Status s = MakeSolveOptions(o, &solve, &loss); !s.ok()) {
-    return app::Refuse(kName, s.message());
+app::Outcome Run(const Options& o) {
+  if (o.compare_ceres && !app::HaveCeres()) {
+    return app::BadInput("--compare-ceres: this program was built without Ceres (2.1 or newer)");
   }
   const auto start = std::chrono::steady_clock::now();
   const auto bal = ReadBal(o.file);
-  if (!bal.ok()) return app::Refuse(kName, bal.status().message());
+  if (!bal.ok()) return app::BadInput(bal.status());
   Problem problem;
-  const auto handles = AddToGraph(*bal, problem, loss);
+  const auto handles = AddToGraph(*bal, problem, o.solver.loss);
   if (!handles.ok()) {
-    return app::Refuse(kName, fmt::format("{}: {}", o.file, handles.status().message()));
+    return app::BadInput(fmt::format("{}: {}", o.file, handles.status().message()));
   }
   const std::chrono::duration<double> read = std::chrono::steady_clock::now() - start;
   std::optional<Graph> for_ceres;
@@ -208,56 +151,59 @@ int Run(const Options& o) {
 
   // The first line of the table says that the problem could be evaluated: nothing is printed
   // before.
-  solve.callback = [&](const IterationSummary& it) {
+  app::SolverOptions solver = o.solver;
+  solver.solve.callback = [&](const IterationSummary& it) {
     if (it.iteration == 0) {
-      fmt::print("{}: {} cameras, {} points, {} observations, read in {:.3f} s\n", o.file,
+      app::Print("{}: {} cameras, {} points, {} observations, read in {:.3f} s\n", o.file,
                  bal->cameras.size(), bal->points.size(), bal->observations.size(), read.count());
-      fmt::print("{}\n", IterationTableHeader());
+      app::Print("{}\n", IterationTableHeader());
     }
-    fmt::print("{}\n", ToString(it));
-    std::fflush(stdout);
+    app::Print("{}\n", ToString(it));
     return CallbackAction::kContinue;
   };
+  const SolveOptions solve = solver.Chosen();
   const SolveSummary& summary = problem.Solve(solve);
   if (!summary.ok()) {
-    return app::Refuse(kName, fmt::format("{}: {}", o.file, Failure(summary, *handles)));
+    return app::BadInput(fmt::format("{}: {}", o.file, Failure(summary, *handles)));
   }
   const double peak_rss_mb = PeakMemoryMb();
-  fmt::print("{}\n", summary.BriefReport());
-  fmt::print(
+  app::Print("{}\n", summary.BriefReport());
+  app::Print(
       "seconds: analyze {:.3f}, linearize {:.3f}, eliminate {:.3f}, solve {:.3f}, cost "
       "{:.3f}, total {:.3f}; peak memory {:.1f} MB\n",
       summary.time.analyze_s, summary.time.linearize_s, summary.time.eliminate_s,
       summary.time.solve_s, summary.time.cost_s, summary.time.total_s, peak_rss_mb);
 
-  nlohmann::ordered_json json = ToJson(*bal, summary, o, peak_rss_mb);
-  if (for_ceres) {
-    const auto ceres = app::SolveWithCeres(&*for_ceres, solve);
-    if (!ceres.ok()) return app::Refuse(kName, ceres.status().message(), app::kExitFailed);
-    PrintComparison(summary, *ceres);
-    json["ceres"] = ToJson(*ceres);
-  }
+  // Ceres may not find a solution: ours is written before it is asked.
   if (!o.output.empty()) {
     const auto solved = BalFromGraph(problem);
     Status s = solved.status();
     if (s.ok()) s = WriteBal(*solved, o.output);
-    if (!s.ok()) return app::Refuse(kName, s.message(), app::kExitFailed);
+    if (!s.ok()) return app::Failed(s);
   }
-  if (!o.json.empty()) {
-    if (Status s = app::WriteFile(o.json, json.dump(2) + "\n"); !s.ok()) {
-      return app::Refuse(kName, s.message(), app::kExitFailed);
+  nlohmann::ordered_json json = ToJson(*bal, summary, o, peak_rss_mb);
+  Status compared;
+  if (for_ceres && !app::Interrupted()) {
+    const auto ceres = app::SolveWithCeres(&*for_ceres, solve);
+    compared = ceres.status();
+    if (ceres.ok()) {
+      PrintComparison(summary, *ceres);
+      json["ceres"] = ToJson(*ceres);
     }
   }
-  return app::kExitOk;
+  Status written;
+  if (!o.json.empty()) written = app::WriteJson(o.json, json, 2);
+  for (const Status& status : {compared, written}) {
+    if (!status.ok()) return app::Failed(status);
+  }
+  return {};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App cli(kDescription, kName);
-  cli.footer(kFooter);
+  app::Program program(kName, kDescription, kFooter);
   Options options;
-  AddOptions(cli, options);
-  if (const auto exit_code = app::Parse(cli, argc, argv)) return *exit_code;
-  return Run(options);
+  AddOptions(program, options);
+  return program.Run(argc, argv, [&] { return Run(options); });
 }

@@ -4,13 +4,17 @@
 // Reproduces "On the Comparison of Gauge Freedom Handling in Optimization-Based Visual-Inertial
 // State Estimation" (Z. Zhang, G. Gallego, D. Scaramuzza, RA-L 2018).
 #include <filesystem>
-#include <optional>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "common/cli.h"
 #include "common/gauge_report.h"
+#include "common/interrupt.h"
+#include "common/options.h"
 #include "common/output_file.h"
+#include "common/program.h"
+#include "common/solver_options.h"
+#include "common/version.h"
 #include "common/vio_segment.h"
 
 namespace {
@@ -20,56 +24,40 @@ using namespace glissade;
 constexpr const char* kName = "gauge_study";
 
 constexpr const char* kDescription =
-    R"(What to do with the four directions that visual-inertial measurements leave open: hold them (fixed),
-leave them to the damping (free), or pull them with a prior? Compares accuracy, iterations, time and
-covariance on simulated flights (sine, arc, rec; points on planes or random) and, with --vio, on
-recordings.)";
+    R"(What to do with the four directions that visual-inertial measurements leave open: hold them
+(fixed), leave them to the damping (free), or pull them with a prior? Compares accuracy, iterations,
+time and covariance on simulated flights (sine, arc, rec; points on planes or random) and, with
+--vio, on recordings.)";
 
 constexpr const char* kFooter =
-    R"(Errors are root mean squares over the keyframes after alignment (yaw and translation) of the first
-pose, means over the trials; iterations and times are medians. Solves end by the rule of the paper, a
-relative decrease of the cost under 1e-6; the first five trials are also run until they converge, and
-compared to the fixed gauge's result: cost, and largest difference of position, rotation, velocity.
+    R"(Errors are root mean squares over the keyframes after alignment (yaw and translation) of the
+first pose, means over the trials; iterations and times are medians. Solves end by the rule of the
+paper, a relative decrease of the cost under 1e-6; the first five trials are also run until they
+converge, and compared to the fixed gauge's result: cost, and largest difference of position,
+rotation, velocity.
 
-Trials run two at a time, each on one thread; --threads 1 if times matter. The same seed gives the same
-numbers, times apart, for any number of threads. docs/gauge_study.md has all parameters of the worlds.
+Trials run two at a time, each on one thread; --threads 1 if times matter. The same seed gives the
+same numbers, times apart, for any number of threads. docs/gauge_study.md has all parameters of the
+worlds.
 
 Examples:
   gauge_study
   gauge_study --trials 50 --vio data/euroc_v101_semi --vio data/euroc_mh05_semi --json study.json
   scripts/plot_gauge_study.py study.json docs/images   draws it
 
-Exit code: 0, or 2 where an option or a recording makes no sense, or 1 where a solve fails.)";
+After Ctrl-C the configurations until then are shown and written.
+
+Exit code: 0; 130 after Ctrl-C; 2 where an option or a recording makes no sense; 1 where a solve
+fails.)";
 
 struct Options {
-  int trials = 50;
-  std::int64_t seed = 1;
-  int threads = 2;
+  app::GaugeStudyOptions study;
+  app::SolverOptions solver;
   std::string sweep = "sine-plane";
   std::vector<std::string> vio;
-  double vio_start = 40.0;
-  int vio_keyframes = 30;
+  app::VioSegmentOptions segment;
   std::string json, csv;
 };
-
-void AddOptions(CLI::App& app, Options& o) {
-  app.add_option("--trials", o.trials, "Measurements and starts per configuration (default 50)")
-      ->type_name("N");
-  app.add_option("--seed", o.seed, "Seed of worlds, noise and starts (default 1)")->type_name("N");
-  app.add_option("--threads", o.threads, "Trials side by side (default 2)")->type_name("N");
-  app.add_option("--sweep", o.sweep,
-                 "Configuration of the weight sweep, the paths and the covariance (default "
-                 "sine-plane)")
-      ->type_name("NAME");
-  app.add_option("--vio", o.vio, "A recording (VIOTRACKS folder); may be given several times")
-      ->type_name("DIR");
-  app.add_option("--vio-start", o.vio_start, "Where its segment begins (s, default 40)")
-      ->type_name("S");
-  app.add_option("--vio-keyframes", o.vio_keyframes, "Keyframes of the segment (default 30)")
-      ->type_name("N");
-  app.add_option("--csv", o.csv, "Write one line per method and trial to FILE")->type_name("FILE");
-  app.add_option("--json", o.json, "Write everything to FILE")->type_name("FILE");
-}
 
 struct Configuration {
   sim::TrajectoryKind trajectory;
@@ -98,35 +86,37 @@ Result<app::ProblemSource> SourceOf(const Configuration& c, std::uint64_t seed) 
   return app::Simulated(std::move(world).value(), seed);
 }
 
-Status CheckOptions(const Options& o, const Configuration** sweep) {
-  for (const Configuration& c : kConfigurations) {
-    if (o.sweep == NameOf(c, '-')) *sweep = &c;
-  }
-  if (*sweep == nullptr) {
-    return {StatusCode::kInvalidArgument, "--sweep: there is no configuration " + o.sweep};
-  }
-  return app::FirstError({
-      app::CheckRange("--trials", o.trials, 1, 100000),
-      app::CheckRange("--seed", o.seed, 0, 4294967295),
-      app::CheckRange("--threads", o.threads, 1, 256),
-      app::CheckAtLeast("--vio-start", o.vio_start, 0.0),
-      app::CheckRange("--vio-keyframes", o.vio_keyframes, 2, 1000),
-      app::CheckDifferent("--csv", o.csv, "--json", o.json),
-      app::CheckWritable("--csv", o.csv),
-      app::CheckWritable("--json", o.json),
-  });
+void AddOptions(app::Program& program, Options& o) {
+  CLI::App& cli = program.cli();
+  std::vector<std::string> names;
+  for (const Configuration& c : kConfigurations)
+    names.push_back(NameOf(c, '-'));
+  app::AddInteger(cli, "--trials", &o.study.trials, 1, 100000,
+                  "Measurements and starts per configuration (default 50)");
+  app::AddSeed(cli, &o.study.seed, "Seed of worlds, noise and starts (default 1)");
+  app::AddInteger(cli, "--threads", &o.study.num_threads, 1, 1024,
+                  "Trials side by side (default 2)");
+  app::AddLinearSolver(cli, &o.solver);
+  app::AddChoice(cli, "--sweep", &o.sweep, names,
+                 "Configuration of the weight sweep, the paths and the covariance (default "
+                 "sine-plane)");
+  cli.add_option("--vio", o.vio, "A recording (VIOTRACKS folder); may be given several times")
+      ->type_name("DIR");
+  app::AddNumber(cli, "--vio-start", &o.segment.start_s, 0.0, 1e9,
+                 "Where its segment begins (s, default 40)");
+  app::AddInteger(cli, "--vio-keyframes", &o.segment.num_keyframes, 2, 1000,
+                  "Keyframes of the segment (default 30)");
+  program.AddOutput("--csv", &o.csv, "Write one line per method and trial to FILE");
+  program.AddOutput("--json", &o.json, "Write everything to FILE");
 }
 
 /// Reads all recordings before anything is computed.
 Result<std::vector<sim::ViProblem>> ReadSegments(const Options& o) {
   std::vector<sim::ViProblem> segments;
-  app::VioSegmentOptions options;
-  options.start_s = o.vio_start;
-  options.num_keyframes = o.vio_keyframes;
   for (const std::string& folder : o.vio) {
     const auto recording = ReadViotracks(folder);
     if (!recording.ok()) return recording.status();
-    auto segment = app::MakeVioSegment(*recording, options);
+    auto segment = app::MakeVioSegment(*recording, o.segment);
     if (!segment.ok()) {
       return Status(segment.status().code(), folder + ": " + segment.status().message());
     }
@@ -174,8 +164,9 @@ Status RunReal(const Options& o, const std::vector<sim::ViProblem>& segments,
         path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
     bar->SetLabel(real.dataset);
     const auto source = [&](int trial) -> Result<sim::ViProblem> {
-      return app::WithStart(segments[k], {},
-                            study->options.seed * 1000003u + static_cast<std::uint64_t>(trial));
+      return app::WithStart(
+          segments[k], {},
+          std::uint64_t{study->options.seed} * 1000003u + static_cast<std::uint64_t>(trial));
     };
     auto result = app::RunConfiguration(source, study->options, bar);
     if (!result.ok()) return result.status();
@@ -188,47 +179,44 @@ Status RunReal(const Options& o, const std::vector<sim::ViProblem>& segments,
   return {};
 }
 
-int Run(const Options& o) {
-  const Configuration* sweep = nullptr;
-  if (Status s = CheckOptions(o, &sweep); !s.ok()) return app::Refuse(kName, s.message());
+app::Outcome Run(const Options& o) {
   const auto segments = ReadSegments(o);
-  if (!segments.ok()) return app::Refuse(kName, segments.status().message());
+  if (!segments.ok()) return app::BadInput(segments.status());
 
   app::GaugeStudy study;
-  study.options.trials = o.trials;
-  study.options.seed = static_cast<std::uint64_t>(o.seed);
-  study.options.num_threads = o.threads;
+  study.options = o.study;
+  study.options.linear_solver = o.solver.Chosen().linear_solver_type;
   study.options.weights = {0, 3, 7, 10, 50, 100, 300, 500, 1e3, 5e3, 1e5, 5e6, 1e8};
   study.options.path_weights = {0, 7, 100, 500, 1e8};
+  const Configuration* sweep = nullptr;
+  for (const Configuration& c : kConfigurations) {
+    if (o.sweep == NameOf(c, '-')) sweep = &c;
+  }
   Status status;
   {
-    app::ProgressBar bar(o.trials * (7 + static_cast<int>(o.vio.size())));
+    app::ProgressBar bar(o.study.trials * (7 + static_cast<int>(o.vio.size())));
     status = RunSimulated(*sweep, &study, &bar);
     if (status.ok()) status = RunReal(o, *segments, &study, &bar);
   }
-  if (!status.ok()) return app::Refuse(kName, status.message(), app::kExitFailed);
+  if (!status.ok() && !app::Interrupted()) return app::Failed(status);
 
   app::PrintStudy(study);
-  const auto write = [](const std::string& path, const std::string& text) {
-    return path.empty() ? Status() : app::WriteFile(path, text);
-  };
-  if (Status s = write(o.csv, ToCsv(study)); !s.ok()) {
-    return app::Refuse(kName, s.message(), app::kExitFailed);
+  Status written;
+  if (!o.csv.empty()) written = app::WriteFile(o.csv, ToCsv(study));
+  if (written.ok() && !o.json.empty()) {
+    nlohmann::ordered_json json = app::JsonHeader(kName, "");
+    json["recordings"] = o.vio;
+    json.update(ToJson(study));
+    written = app::WriteJson(o.json, json, -1);
   }
-  if (o.json.empty()) return app::kExitOk;
-  if (Status s = write(o.json, ToJson(study)); !s.ok()) {
-    return app::Refuse(kName, s.message(), app::kExitFailed);
-  }
-  return app::kExitOk;
+  return written.ok() ? app::Outcome{} : app::Failed(written);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App cli(kDescription, kName);
-  cli.footer(kFooter);
+  app::Program program(kName, kDescription, kFooter);
   Options options;
-  AddOptions(cli, options);
-  if (const auto exit_code = app::Parse(cli, argc, argv)) return *exit_code;
-  return Run(options);
+  AddOptions(program, options);
+  return program.Run(argc, argv, [&] { return Run(options); });
 }

@@ -13,8 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "common/cli.h"
+#include "common/interrupt.h"
+#include "common/options.h"
 #include "common/output_file.h"
+#include "common/program.h"
+#include "common/solver_options.h"
+#include "common/version.h"
 #include "glissade/gauge/nullspace.h"
 #include "glissade/problem/problem.h"
 #include "glissade/sim/vi_world.h"
@@ -26,7 +30,11 @@ struct Settings {
   int frames = 60;
   int window = 7;
   int points = 240;
-  std::uint64_t seed = 1;
+  std::uint32_t seed = 1;
+  SolverOptions solver;
+  std::string json;
+
+  Settings() { solver.solve.max_iterations = 10; }
 };
 
 /// A window that slides over a simulated flight: frames come with what they see, the oldest goes
@@ -115,10 +123,10 @@ class SlidingWindow {
   std::vector<std::vector<const sim::ViObservation*>> observations_of_;
 };
 
-nlohmann::json ToJson(const Eigen::MatrixXd& A) {
-  nlohmann::json rows = nlohmann::json::array();
+nlohmann::ordered_json ToJson(const Eigen::MatrixXd& A) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (Eigen::Index r = 0; r < A.rows(); ++r) {
-    nlohmann::json row = nlohmann::json::array();
+    nlohmann::ordered_json row = nlohmann::ordered_json::array();
     for (Eigen::Index c = 0; c < A.cols(); ++c)
       row.push_back(A(r, c));
     rows.push_back(std::move(row));
@@ -127,7 +135,7 @@ nlohmann::json ToJson(const Eigen::MatrixXd& A) {
 }
 
 /// The information matrix of a full window, with what goes moved first, and what it leaves.
-Status Matrices(const sim::ViProblem& data, const Settings& settings, nlohmann::json* out) {
+Status Matrices(const sim::ViProblem& data, const Settings& settings, nlohmann::ordered_json* out) {
   SlidingWindow window(data, FirstEstimates::kFull);
   for (int k = 0; k < settings.window; ++k) {
     if (Status s = window.AddFrame(static_cast<std::size_t>(k)); !s.ok()) return s;
@@ -165,20 +173,21 @@ Status Matrices(const sim::ViProblem& data, const Settings& settings, nlohmann::
 
 /// The window from frame to frame.
 Status Walk(const sim::ViProblem& data, const Settings& settings, FirstEstimates mode,
-            nlohmann::json* out) {
+            nlohmann::ordered_json* out) {
   SlidingWindow window(data, mode);
-  *out = nlohmann::json::array();
-  for (int k = 0; k < settings.frames; ++k) {
+  *out = nlohmann::ordered_json::array();
+  for (int k = 0; k < settings.frames && !Interrupted(); ++k) {
     if (Status s = window.AddFrame(static_cast<std::size_t>(k)); !s.ok()) return s;
     if (window.size() < 3) continue;
-    const SolveSummary& summary = window.problem().Solve({.max_iterations = 10});
+    const SolveSummary& summary = window.problem().Solve(settings.solver.Chosen());
     if (!summary.ok()) return summary.status;
+    if (Interrupted()) break;
     if (window.size() > settings.window) {
       if (Status s = window.MarginalizeOldest(); !s.ok()) return s;
     }
     const auto report = CheckNullspace(&window.problem());
     if (!report.ok()) return report.status();
-    nlohmann::json row;
+    nlohmann::ordered_json row;
     row["frame"] = k;
     row["cost"] = summary.final_cost;
     for (const NullspaceDirection& direction : report->directions) {
@@ -190,23 +199,79 @@ Status Walk(const sim::ViProblem& data, const Settings& settings, FirstEstimates
   return {};
 }
 
-int Run(int argc, char** argv) {
-  constexpr const char* kName = "marginal_study";
-  Settings settings;
-  std::string path = "marginal_study.json";
-  CLI::App app("Information of a sliding window before and after marginalization", kName);
-  app.add_option("--frames", settings.frames, "keyframes of the flight")->capture_default_str();
-  app.add_option("--window", settings.window, "keyframes of the window")->capture_default_str();
-  app.add_option("--points", settings.points, "points of the world")->capture_default_str();
-  app.add_option("--seed", settings.seed, "of world and noise")->capture_default_str();
-  app.add_option("--json", path, "file to write")->capture_default_str();
-  if (const auto code = Parse(app, argc, argv)) return *code;
-  if (const Status s = FirstError({CheckRange("frames", settings.frames, settings.window + 1, 2000),
-                                   CheckRange("window", settings.window, 3, 50),
-                                   CheckRange("points", settings.points, 10, 20000),
-                                   CheckWritable("json", path)});
-      !s.ok()) {
-    return Refuse(kName, s.message());
+void PrintMatrices(const nlohmann::ordered_json& json) {
+  Print(
+      "information of a window of {} states: {} variables; {} go with the oldest frame, {} "
+      "stay\n\n",
+      json["states"].get<int>(), json["before"].size(), json["going"].get<std::size_t>(),
+      json["after"].size());
+}
+
+/// One line for each mode: the walk's end, and the most that a frame claimed of each direction that
+/// nothing observes, as a part of what the variables alone claim.
+void PrintWalks(const nlohmann::ordered_json& walks) {
+  Print("{:<12} {:>6} {:>14} {:>14}  {}\n", "mode", "frames", "median cost", "last cost",
+        "largest kappa of a direction");
+  for (const auto& [mode, rows] : walks.items()) {
+    if (rows.empty()) continue;
+    std::vector<double> costs;
+    std::string kappas;
+    for (const auto& row : rows)
+      costs.push_back(row["cost"].get<double>());
+    for (const auto& [name, value] : rows.back().items()) {
+      if (!value.is_object()) continue;
+      double largest = 0.0;
+      for (const auto& row : rows)
+        largest = std::max(largest, row[name]["kappa"].get<double>());
+      kappas += fmt::format("{}{} {:.1e}", kappas.empty() ? "" : ", ", name, largest);
+    }
+    const double last = costs.back();
+    std::nth_element(costs.begin(), costs.begin() + costs.size() / 2, costs.end());
+    Print("{:<12} {:>6} {:>14.6g} {:>14.6g}  {}\n", mode, rows.size(), costs[costs.size() / 2],
+          last, kappas);
+  }
+}
+
+constexpr const char* kName = "marginal_study";
+
+constexpr const char* kDescription =
+    R"(What marginalization does to the information of a sliding window. A window slides over a
+simulated visual-inertial flight; the oldest frame goes, with all points it has seen, and leaves a
+prior. Nothing observes yaw and position: what does the window claim to know of them, from frame to
+frame, for each treatment of first estimates?)";
+
+constexpr const char* kFooter =
+    R"(kappa is the information about a direction (1 m along x, y, z; 1 rad of yaw) as a part of what the
+variables would have alone: rounding where the window claims nothing. docs/marginalization.md says
+what off, prior_only and full are. The information matrices of one window, before and after, are in
+the JSON file.
+
+Examples:
+  marginal_study
+  marginal_study --frames 200 --window 10 --json study.json
+  scripts/plot_marginalization.py study.json docs/images   draws it
+
+After Ctrl-C the frames until then are shown and written.
+
+Exit code: 0; 130 after Ctrl-C; 2 where an option makes no sense; 1 where a solve fails.)";
+
+void AddOptions(Program& program, Settings& s) {
+  CLI::App& cli = program.cli();
+  AddInteger(cli, "--frames", &s.frames, 4, 2000, "Keyframes of the flight (default 60)");
+  AddInteger(cli, "--window", &s.window, 3, 50, "Keyframes of the window (default 7)");
+  AddInteger(cli, "--points", &s.points, 10, 20000, "Points of the world (default 240)");
+  AddSeed(cli, &s.seed, "Seed of world and noise (default 1)");
+  AddMethod(cli, &s.solver);
+  AddLinearSolver(cli, &s.solver);
+  AddIterations(cli, &s.solver);
+  AddThreads(cli, &s.solver);
+  program.AddOutput("--json", &s.json, "Write everything, with the matrices, to FILE");
+}
+
+Outcome Run(const Settings& settings) {
+  if (settings.frames <= settings.window) {
+    return BadInput(fmt::format("--frames: must be more than --window, {}, not {}", settings.window,
+                                settings.frames));
   }
   sim::ViWorldOptions options;
   options.num_keyframes = settings.frames;
@@ -216,32 +281,38 @@ int Run(int argc, char** argv) {
   options.pixel_noise = 1.0;
   options.start_rotation_deg = 1.0;
   const auto world = sim::MakeViWorld(options);
-  if (!world.ok()) return Refuse(kName, world.status().message(), kExitFailed);
+  if (!world.ok()) return Failed(world.status());
   const auto data = sim::Measure(*world, settings.seed);
-  if (!data.ok()) return Refuse(kName, data.status().message(), kExitFailed);
+  if (!data.ok()) return Failed(data.status());
 
-  nlohmann::json json;
-  if (const Status s = Matrices(*data, settings, &json["matrices"]); !s.ok()) {
-    return Refuse(kName, s.message(), kExitFailed);
-  }
+  nlohmann::ordered_json matrices, walks = nlohmann::ordered_json::object();
+  if (const Status s = Matrices(*data, settings, &matrices); !s.ok()) return Failed(s);
+  PrintMatrices(matrices);
   const std::pair<const char*, FirstEstimates> modes[] = {
       {"off", FirstEstimates::kOff},
       {"prior_only", FirstEstimates::kPriorOnly},
       {"full", FirstEstimates::kFull}};
   for (const auto& [name, mode] : modes) {
-    if (const Status s = Walk(*data, settings, mode, &json["walk"][name]); !s.ok()) {
-      return Refuse(kName, s.message(), kExitFailed);
-    }
+    if (Interrupted()) break;
+    if (const Status s = Walk(*data, settings, mode, &walks[name]); !s.ok()) return Failed(s);
   }
-  if (const Status s = WriteFile(path, json.dump() + "\n"); !s.ok()) {
-    return Refuse(kName, s.message(), kExitFailed);
-  }
-  return kExitOk;
+  PrintWalks(walks);
+  if (settings.json.empty()) return {};
+  nlohmann::ordered_json json = JsonHeader(kName, "");
+  json["seed"] = settings.seed;
+  json["matrices"] = std::move(matrices);
+  json["walk"] = std::move(walks);
+  const Status written = WriteJson(settings.json, json, -1);
+  return written.ok() ? Outcome{} : Failed(written);
 }
 
 }  // namespace
 }  // namespace glissade::app
 
 int main(int argc, char** argv) {
-  return glissade::app::Run(argc, argv);
+  using namespace glissade::app;
+  Program program(kName, kDescription, kFooter);
+  Settings settings;
+  AddOptions(program, settings);
+  return program.Run(argc, argv, [&] { return Run(settings); });
 }

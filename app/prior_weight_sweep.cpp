@@ -5,16 +5,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "common/cli.h"
 #include "common/course.h"
+#include "common/options.h"
 #include "common/output_file.h"
+#include "common/program.h"
+#include "common/solver_options.h"
 #include "common/sweep.h"
+#include "common/version.h"
 
 namespace {
 
@@ -55,79 +57,47 @@ Examples:
   prior_weight_sweep --weights 0,1,10,100,1e3,1e4,1e5,1e6 --pose-noise 0.1 --json sweep.json
   scripts/plot_prior_weight.py sweep.json docs/images  draws it
 
-Exit code: 0, or 2 where an option or the scene makes no sense.)";
+After Ctrl-C the trials until then are shown and written.
+
+Exit code: 0; 130 after Ctrl-C; 2 where an option or the scene makes no sense.)";
 
 struct Options {
-  std::vector<double> weights = {0.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
-  double pose_noise = 0.0;
-  int trials = 1;
-  std::int64_t seed = 1;
-  int iterations = 500;
-  std::string lm = "default";
-  bool course_stop = false;
+  app::SweepOptions sweep;
+  app::SolverOptions solver;
   bool verbose = false;
   std::string scene;
   std::string csv;
   std::string json;
+
+  Options() {
+    sweep.weights = {0.0, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
+    // Until steps are tiny, and by no other rule: what is compared has converged.
+    solver.solve.cost_tolerance = 0.0;
+    solver.solve.gradient_tolerance = 0.0;
+    solver.solve.max_iterations = 500;
+  }
 };
 
-void AddOptions(CLI::App& app, Options& o) {
-  app.add_option("--weights", o.weights, "Weights, separated by commas (default 0,1e3,...,1e8)")
-      ->delimiter(',')
-      ->type_name("W,W,...");
-  app.add_option("--pose-noise", o.pose_noise,
-                 "Sigma of a Gaussian on every axis of every start pose (m and rad; default 0)")
-      ->type_name("SIGMA");
-  app.add_option("--trials", o.trials, "Start poses per weight (default 1)")->type_name("N");
-  app.add_option("--seed", o.seed, "Seed of the pose noise (default 1)")->type_name("N");
-  app.add_option("--lm", o.lm,
-                 "'default': the library's. 'course': lambda I on the pose block, lambda0 = 1e-5 "
-                 "max diag(H)")
-      ->type_name("WHICH");
-  app.add_flag("--course-stop", o.course_stop,
+void AddOptions(app::Program& program, Options& o) {
+  CLI::App& cli = program.cli();
+  app::AddNumbers(cli, "--weights", &o.sweep.weights, 0.0, 1e30,
+                  "Weights, separated by commas (default 0,1e3,...,1e8)");
+  app::AddNumber(cli, "--pose-noise", &o.sweep.pose_noise, 0.0, 1e3,
+                 "Sigma of a Gaussian on every axis of every start pose (m and rad; default 0)");
+  app::AddInteger(cli, "--trials", &o.sweep.trials, 1, 100000,
+                  "Start poses per weight (default 1)");
+  app::AddSeed(cli, &o.sweep.seed, "Seed of the pose noise (default 1)");
+  app::AddMethod(cli, &o.solver, true);
+  cli.add_flag("--course-stop", o.solver.solve.course_stop,
                "The course's Levenberg-Marquardt and its stopping rule, |dx|^2 <= 1e-6");
-  app.add_option("--iterations", o.iterations, "At most N steps per solve (default 500)")
-      ->type_name("N");
-  app.add_option("--scene", o.scene, "Use the scene of FILE, not the built-in one")
+  app::AddLinearSolver(cli, &o.solver);
+  app::AddIterations(cli, &o.solver);
+  app::AddThreads(cli, &o.solver);
+  cli.add_option("--scene", o.scene, "Use the scene of FILE, not the built-in one")
       ->type_name("FILE");
-  app.add_flag("--verbose", o.verbose, "Print prior and reprojection error of every step, too");
-  app.add_option("--csv", o.csv, "Write one line per weight and trial to FILE")->type_name("FILE");
-  app.add_option("--json", o.json, "Write everything, with the iterations, to FILE")
-      ->type_name("FILE");
-}
-
-Status MakeSweepOptions(const Options& o, app::SweepOptions* sweep) {
-  if (o.weights.empty()) return {StatusCode::kInvalidArgument, "--weights: none given"};
-  for (double weight : o.weights) {
-    if (Status s = app::CheckAtLeast("--weights", weight, 0.0); !s.ok()) return s;
-  }
-  if (o.lm != "default" && o.lm != "course") {
-    return {StatusCode::kInvalidArgument, "--lm: must be default or course, not " + o.lm};
-  }
-  if (Status s = app::FirstError({
-          app::CheckAtLeast("--pose-noise", o.pose_noise, 0.0),
-          app::CheckRange("--trials", o.trials, 1, 100000),
-          app::CheckRange("--seed", o.seed, 0, 4294967295),
-          app::CheckRange("--iterations", o.iterations, 0, 1000000),
-          app::CheckDifferent("--csv", o.csv, "--json", o.json),
-          app::CheckWritable("--csv", o.csv),
-          app::CheckWritable("--json", o.json),
-      });
-      !s.ok()) {
-    return s;
-  }
-  sweep->weights = o.weights;
-  sweep->pose_noise = o.pose_noise;
-  sweep->trials = o.trials;
-  sweep->seed = static_cast<std::uint32_t>(o.seed);
-  if (o.lm == "course" || o.course_stop) sweep->solve = app::CourseLm();
-  // Until steps are 1e-10 of the state, and by no other rule: what is compared has converged.
-  sweep->solve.cost_tolerance = 0.0;
-  sweep->solve.gradient_tolerance = 0.0;
-  sweep->solve.step_tolerance = 1e-10;
-  sweep->solve.course_stop = o.course_stop;
-  sweep->solve.max_iterations = o.iterations;
-  return {};
+  cli.add_flag("--verbose", o.verbose, "Print prior and reprojection error of every step, too");
+  program.AddOutput("--csv", &o.csv, "Write one line per weight and trial to FILE");
+  program.AddOutput("--json", &o.json, "Write everything, with the iterations, to FILE");
 }
 
 /// The trials of a row in one line.
@@ -166,11 +136,11 @@ std::string WeightName(const app::SweepRow& row) {
 }
 
 void PrintTable(const std::vector<app::SweepRow>& rows) {
-  fmt::print("{:>8} {:>16} {:>14} {:>10} {:>11} {:>10} {:>10}\n", "weight", "pose error [m]",
+  app::Print("{:>8} {:>16} {:>14} {:>10} {:>11} {:>10} {:>10}\n", "weight", "pose error [m]",
              "point err [1/m]", "spread [m]", "iterations", "time [ms]", "converged");
   for (const app::SweepRow& row : rows) {
     const RowSummary sum = Summarize(row);
-    fmt::print("{:>8} {:>16.8g} {:>15.8g} {:>10.1e} {:>11g} {:>10.4f} {:>6}/{}\n", WeightName(row),
+    app::Print("{:>8} {:>16.8g} {:>15.8g} {:>10.1e} {:>11g} {:>10.4f} {:>6}/{}\n", WeightName(row),
                sum.pose_error, sum.point_error, sum.pose_error_spread, sum.iterations, sum.time_ms,
                sum.converged, row.trials.size());
   }
@@ -178,11 +148,11 @@ void PrintTable(const std::vector<app::SweepRow>& rows) {
 
 /// The way of the first trial of every weight.
 void PrintPaths(const std::vector<app::SweepRow>& rows) {
-  fmt::print("\n{:>8} {:>9} {:>14} {:>18} {:>16} {:>18}\n", "weight", "iteration", "cost",
+  app::Print("\n{:>8} {:>9} {:>14} {:>18} {:>16} {:>18}\n", "weight", "iteration", "cost",
              "reprojection [RMS]", "prior err. [m]", "prior err. [rad]");
   for (const app::SweepRow& row : rows) {
     for (const app::SweepStep& step : row.trials[0].steps) {
-      fmt::print("{:>8} {:>9} {:>14.6e} {:>18.6e} {:>16.6e} {:>18.6e}\n", WeightName(row),
+      app::Print("{:>8} {:>9} {:>14.6e} {:>18.6e} {:>16.6e} {:>18.6e}\n", WeightName(row),
                  step.iteration, step.cost, step.reprojection_error, step.prior_position_error,
                  step.prior_rotation_error);
     }
@@ -190,7 +160,8 @@ void PrintPaths(const std::vector<app::SweepRow>& rows) {
 }
 
 std::string ToCsv(const std::vector<app::SweepRow>& rows) {
-  std::string text = "weight,trial,pose_error,point_error,iterations,time_ms,status,converged\n";
+  std::string text =
+      "weight,trial,pose_error_m,point_error_per_m,iterations,time_ms,status,converged\n";
   for (const app::SweepRow& row : rows) {
     for (std::size_t k = 0; k < row.trials.size(); ++k) {
       const app::SweepTrial& trial = row.trials[k];
@@ -209,16 +180,16 @@ nlohmann::ordered_json ToJson(const app::SweepRow& row) {
       {"fixed", row.fixed},
       {"weight", row.fixed ? nlohmann::json() : nlohmann::json(row.weight)},
       {"aligned", !row.fixed && row.weight == 0.0},
-      {"pose_error", sum.pose_error},
-      {"pose_error_spread", sum.pose_error_spread},
-      {"point_error", sum.point_error},
+      {"pose_error_m", sum.pose_error},
+      {"pose_error_spread_m", sum.pose_error_spread},
+      {"point_error_per_m", sum.point_error},
       {"iterations", sum.iterations},
       {"time_ms", sum.time_ms},
       {"converged", sum.converged}};
   json["trials"] = nlohmann::json::array();
   for (const app::SweepTrial& trial : row.trials) {
     nlohmann::ordered_json t = {
-        {"pose_error", trial.errors.pose},       {"point_error", trial.errors.point},
+        {"pose_error_m", trial.errors.pose},     {"point_error_per_m", trial.errors.point},
         {"iterations", trial.iterations},        {"time_ms", 1e3 * trial.time_s},
         {"status", ToString(trial.termination)}, {"converged", trial.converged}};
     t["steps"] = nlohmann::json::array();
@@ -227,8 +198,8 @@ nlohmann::ordered_json ToJson(const app::SweepRow& row) {
           nlohmann::ordered_json{{"iteration", step.iteration},
                                  {"cost", step.cost},
                                  {"reprojection_error", step.reprojection_error},
-                                 {"prior_position_error", step.prior_position_error},
-                                 {"prior_rotation_error", step.prior_rotation_error}});
+                                 {"prior_position_error_m", step.prior_position_error},
+                                 {"prior_rotation_error_rad", step.prior_rotation_error}});
     }
     json["trials"].push_back(std::move(t));
   }
@@ -236,47 +207,40 @@ nlohmann::ordered_json ToJson(const app::SweepRow& row) {
 }
 
 nlohmann::ordered_json ToJson(const std::vector<app::SweepRow>& rows, const Options& o) {
-  nlohmann::ordered_json json = {{"pose_noise", o.pose_noise},
-                                 {"num_trials", o.trials},
-                                 {"seed", o.seed},
-                                 {"lm", o.course_stop ? "course" : o.lm},
-                                 {"course_stop", o.course_stop}};
+  nlohmann::ordered_json json = app::JsonHeader(kName, o.scene);
+  json.update({{"pose_noise_m_rad", o.sweep.pose_noise},
+               {"num_trials", o.sweep.trials},
+               {"seed", o.sweep.seed},
+               {"method", o.solver.method},
+               {"linear_solver", o.solver.linear_solver},
+               {"course_stop", o.solver.solve.course_stop}});
   json["rows"] = nlohmann::json::array();
   for (const app::SweepRow& row : rows)
     json["rows"].push_back(ToJson(row));
   return json;
 }
 
-int Run(const Options& o) {
-  app::SweepOptions options;
-  if (Status s = MakeSweepOptions(o, &options); !s.ok()) return app::Refuse(kName, s.message());
+app::Outcome Run(Options o) {
+  if (o.solver.solve.course_stop) o.solver.method = "course";
+  o.sweep.solve = o.solver.Chosen();
   const auto scene = app::LoadScene(o.scene);
-  if (!scene.ok()) return app::Refuse(kName, scene.status().message());
-  const auto rows = app::RunSweep(*scene, options);
-  if (!rows.ok()) return app::Refuse(kName, rows.status().message());
+  if (!scene.ok()) return app::BadInput(scene.status());
+  const auto rows = app::RunSweep(*scene, o.sweep);
+  if (!rows.ok()) return app::BadInput(rows.status());
 
   PrintTable(*rows);
   if (o.verbose) PrintPaths(*rows);
-  const auto write = [](const std::string& path, const std::string& text) {
-    return path.empty() ? Status() : app::WriteFile(path, text);
-  };
-  if (Status s = write(o.csv, ToCsv(*rows)); !s.ok()) {
-    return app::Refuse(kName, s.message(), app::kExitFailed);
-  }
-  if (o.json.empty()) return app::kExitOk;
-  if (Status s = write(o.json, ToJson(*rows, o).dump(1) + "\n"); !s.ok()) {
-    return app::Refuse(kName, s.message(), app::kExitFailed);
-  }
-  return app::kExitOk;
+  Status written;
+  if (!o.csv.empty()) written = app::WriteFile(o.csv, ToCsv(*rows));
+  if (written.ok() && !o.json.empty()) written = app::WriteJson(o.json, ToJson(*rows, o), 1);
+  return written.ok() ? app::Outcome{} : app::Failed(written);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App cli(kDescription, kName);
-  cli.footer(kFooter);
+  app::Program program(kName, kDescription, kFooter);
   Options options;
-  AddOptions(cli, options);
-  if (const auto exit_code = app::Parse(cli, argc, argv)) return *exit_code;
-  return Run(options);
+  AddOptions(program, options);
+  return program.Run(argc, argv, [&] { return Run(options); });
 }

@@ -7,9 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "common/cli.h"
 #include "common/course.h"
+#include "common/options.h"
 #include "common/output_file.h"
+#include "common/program.h"
+#include "common/solver_options.h"
+#include "common/version.h"
 #include "glissade/problem/problem.h"
 
 namespace {
@@ -40,63 +43,48 @@ Examples:
   testMonoBA --fix 2               two poses held: position, direction and scale are known
   testMonoBA --prior-weight 1e4    priors instead
   testMonoBA --course-stop         ends when the course's code does, one step early
-  testMonoBA --lm default --verbose
-                                   the library's own Levenberg-Marquardt, with its table
+  testMonoBA --method lm --verbose the library's own Levenberg-Marquardt, with its table
 
-Exit code: 0, or 2 where an option or the scene makes no sense.)";
+Exit code: 0; 130 after Ctrl-C; 2 where an option or the scene makes no sense.)";
 
 struct Options {
   int fix = 0;
   double prior_weight = 0.0;
-  int iterations = 100;
-  std::string linear_solver = "dense";
-  std::string lm = "course";
-  bool course_stop = false;
+  app::SolverOptions solver;
   std::string scene;
   bool verbose = false;
   std::string json;
+
+  Options() {
+    solver.method = "course";
+    solver.solve.max_iterations = 100;
+  }
 };
 
-void AddOptions(CLI::App& app, Options& o) {
-  app.add_option("--fix", o.fix, "Hold the first N poses at their truth")->type_name("N");
-  app.add_option("--prior-weight", o.prior_weight,
-                 "Priors on the first two poses, with information W (1/m^2, 1/rad^2)")
-      ->type_name("W");
-  app.add_option("--lm", o.lm,
-                 "'course' (default): lambda I on the pose block, lambda0 = 1e-5 max diag(H). "
-                 "'default': the library's own")
-      ->type_name("WHICH");
-  app.add_flag("--course-stop", o.course_stop,
+void AddOptions(app::Program& program, Options& o) {
+  CLI::App& cli = program.cli();
+  app::AddInteger(cli, "--fix", &o.fix, 0, 1000000, "Hold the first N poses at their truth");
+  app::AddNumber(cli, "--prior-weight", &o.prior_weight, 0.0, 1e30,
+                 "Priors on the first two poses, with information X (1/m^2, 1/rad^2)");
+  app::AddMethod(cli, &o.solver, true);
+  cli.add_flag("--course-stop", o.solver.solve.course_stop,
                "Stop where the course's code does: before a step with |dx|^2 <= 1e-6");
-  app.add_option("--iterations", o.iterations, "At most N steps (default 100)")->type_name("N");
-  app.add_option("--linear-solver", o.linear_solver, "'dense' (default) or 'pcg'")
-      ->type_name("WHICH");
-  app.add_option("--scene", o.scene, "Solve the scene of FILE, not the built-in one")
+  app::AddLinearSolver(cli, &o.solver);
+  app::AddIterations(cli, &o.solver);
+  app::AddThreads(cli, &o.solver);
+  cli.add_option("--scene", o.scene, "Solve the scene of FILE, not the built-in one")
       ->type_name("FILE");
-  app.add_flag("--verbose", o.verbose, "Print the table of all steps, rejected ones too");
-  app.add_option("--json", o.json, "Write the result to FILE")->type_name("FILE");
-}
-
-Status MakeSolveOptions(const Options& o, SolveOptions* solve) {
-  if (o.lm == "course") {
-    *solve = app::CourseLm();
-  } else if (o.lm != "default") {
-    return {StatusCode::kInvalidArgument, "--lm: must be course or default, not " + o.lm};
-  }
-  solve->course_stop = o.course_stop;
-  solve->max_iterations = o.iterations;
-  return app::FirstError({app::SetLinearSolver(o.linear_solver, solve),
-                          app::CheckRange("--iterations", o.iterations, 0, 1000000),
-                          app::CheckAtLeast("--prior-weight", o.prior_weight, 0.0)});
+  cli.add_flag("--verbose", o.verbose, "Print the table of all steps, rejected ones too");
+  program.AddOutput("--json", &o.json, "Write the result to FILE");
 }
 
 template <class M>
 void PrintMatrix(const char* title, const M& m) {
-  fmt::print("\n{}\n", title);
+  app::Print("\n{}\n", title);
   for (int i = 0; i < m.rows(); ++i) {
     for (int j = 0; j < m.cols(); ++j)
-      fmt::print("{:>10.6g}", m(i, j));
-    fmt::print("\n");
+      app::Print("{:>10.6g}", m(i, j));
+    app::Print("\n");
   }
 }
 
@@ -104,35 +92,35 @@ void PrintSolve(const Problem& problem, const CourseHandles& handles, const Solv
                 const Options& o) {
   int order = 0;
   for (std::size_t k = 0; k < handles.poses.size(); ++k, order += VertexPose::kTangentDim)
-    fmt::print("{} order: {}\n", k, order);
-  fmt::print("\n ordered landmark vertices size : {}\n", handles.points.size());
+    app::Print("{} order: {}\n", k, order);
+  app::Print("\n ordered landmark vertices size : {}\n", handles.points.size());
   int k = 0;
   for (const IterationSummary& it : summary.iterations) {
     if (!it.accepted) continue;
-    fmt::print("iter: {} , chi= {:.6g} , Lambda= {:.6g}\n", k++, 2.0 * it.cost, it.lambda);
+    app::Print("iter: {} , chi= {:.6g} , Lambda= {:.6g}\n", k++, 2.0 * it.cost, it.lambda);
   }
-  fmt::print("solved in {:.6g} ms, of which {:.6g} ms for the normal equations\n",
+  app::Print("solved in {:.6g} ms, of which {:.6g} ms for the normal equations\n",
              1e3 * summary.time.total_s,
              1e3 * (summary.time.linearize_s + summary.time.eliminate_s));
-  fmt::print("{}: sum of Chi2 {:.6g}\n", ToString(summary.termination), problem.Chi2().value());
+  app::Print("{}: sum of Chi2 {:.6g}\n", ToString(summary.termination), problem.Chi2().value());
   if (!o.verbose) return;
-  fmt::print("\n{}\n", IterationTableHeader());
+  app::Print("\n{}\n", IterationTableHeader());
   for (const IterationSummary& it : summary.iterations)
-    fmt::print("{}\n", ToString(it));
+    app::Print("{}\n", ToString(it));
 }
 
 void PrintResult(const CourseScene& scene, const Problem& problem, const CourseHandles& handles) {
-  fmt::print("\nInverse depths of the points (1/m): truth, start, solution\n");
+  app::Print("\nInverse depths of the points (1/m): truth, start, solution\n");
   for (std::size_t k = 0; k < scene.points.size(); ++k) {
-    fmt::print("point {} : gt {:.6g} , noise {:.6g} , opt {:.6g}\n", k,
+    app::Print("point {} : gt {:.6g} , noise {:.6g} , opt {:.6g}\n", k,
                scene.TrueInverseDepth(scene.points[k]), scene.points[k].rho_init,
                problem.Get(handles.points[k]).rho);
   }
-  fmt::print("\nTranslations of the poses (m): solution, truth\n");
+  app::Print("\nTranslations of the poses (m): solution, truth\n");
   for (std::size_t k = 0; k < scene.poses.size(); ++k) {
     const double* t = problem.Get(handles.poses[k]).Data();
     const double* gt = scene.poses[k].data;
-    fmt::print("translation {} : {:.6g} {:.6g} {:.6g} , gt {:.6g} {:.6g} {:.6g}\n", k, t[0], t[1],
+    app::Print("translation {} : {:.6g} {:.6g} {:.6g} , gt {:.6g} {:.6g} {:.6g}\n", k, t[0], t[1],
                t[2], gt[0], gt[1], gt[2]);
   }
 }
@@ -151,27 +139,27 @@ nlohmann::json RowsOf(const M& m) {
 
 nlohmann::ordered_json ToJson(const CourseScene& scene, const Problem& problem,
                               const CourseHandles& handles, const SolveSummary& summary,
-                              const MarginalizeExample& example) {
-  nlohmann::ordered_json json;
+                              const MarginalizeExample& example, const Options& o) {
+  nlohmann::ordered_json json = app::JsonHeader(kName, o.scene);
   json["iterations"] = nlohmann::json::array();
   int k = 0;
   for (const IterationSummary& it : summary.iterations) {
     if (!it.accepted) continue;
-    json["iterations"].push_back({{"iter", k++}, {"chi", 2.0 * it.cost}, {"lambda", it.lambda}});
+    json["iterations"].push_back({{"iter", k++}, {"cost", it.cost}, {"lambda", it.lambda}});
   }
-  json["converged_chi"] = problem.Chi2().value();
+  json["final_cost"] = summary.final_cost;
   json["status"] = ToString(summary.termination);
   json["points"] = nlohmann::json::array();
   for (std::size_t i = 0; i < scene.points.size(); ++i) {
-    json["points"].push_back({{"gt", scene.TrueInverseDepth(scene.points[i])},
-                              {"noise", scene.points[i].rho_init},
-                              {"opt", problem.Get(handles.points[i]).rho}});
+    json["points"].push_back({{"gt_per_m", scene.TrueInverseDepth(scene.points[i])},
+                              {"noise_per_m", scene.points[i].rho_init},
+                              {"opt_per_m", problem.Get(handles.points[i]).rho}});
   }
   json["poses"] = nlohmann::json::array();
   for (std::size_t i = 0; i < scene.poses.size(); ++i) {
     const double* t = problem.Get(handles.poses[i]).Data();
     const double* gt = scene.poses[i].data;
-    json["poses"].push_back({{"t", {t[0], t[1], t[2]}}, {"gt", {gt[0], gt[1], gt[2]}}});
+    json["poses"].push_back({{"t_m", {t[0], t[1], t[2]}}, {"gt_m", {gt[0], gt[1], gt[2]}}});
   }
   json["marginalize"] = {{"before", RowsOf(example.before)},
                          {"moved", RowsOf(example.moved)},
@@ -179,26 +167,19 @@ nlohmann::ordered_json ToJson(const CourseScene& scene, const Problem& problem,
   return json;
 }
 
-int Run(const Options& o) {
-  SolveOptions solve;
-  if (Status s =
-          app::FirstError({MakeSolveOptions(o, &solve), app::CheckWritable("--json", o.json)});
-      !s.ok()) {
-    return app::Refuse(kName, s.message());
-  }
+app::Outcome Run(const Options& o) {
   const auto scene = app::LoadScene(o.scene);
-  if (!scene.ok()) return app::Refuse(kName, scene.status().message());
-  if (Status s = app::CheckRange("--fix", o.fix, 0, static_cast<int>(scene->poses.size()));
-      !s.ok()) {
-    return app::Refuse(kName, s.message());
+  if (!scene.ok()) return app::BadInput(scene.status());
+  if (o.fix > static_cast<int>(scene->poses.size())) {
+    return app::BadInput(
+        fmt::format("--fix: must be an integer from 0 to {}, not {}", scene->poses.size(), o.fix));
   }
-
   Problem problem;
   const auto handles =
       AddToGraph(*scene, problem, {.fix_poses = o.fix, .prior_weight = o.prior_weight});
-  if (!handles.ok()) return app::Refuse(kName, handles.status().message());
-  const SolveSummary& summary = problem.Solve(solve);
-  if (!summary.ok()) return app::Refuse(kName, summary.status.message());
+  if (!handles.ok()) return app::BadInput(handles.status());
+  const SolveSummary& summary = problem.Solve(o.solver.Chosen());
+  if (!summary.ok()) return app::BadInput(summary.status);
 
   const MarginalizeExample example = TestMarginalize();
   PrintSolve(problem, *handles, summary, o);
@@ -207,21 +188,17 @@ int Run(const Options& o) {
   PrintMatrix("... with variable 2 moved last", example.moved);
   PrintMatrix("... after marginalizing it: variables 1 and 3 are linked", example.after);
   if (!o.json.empty()) {
-    const std::string text = ToJson(*scene, problem, *handles, summary, example).dump(2) + "\n";
-    if (Status s = app::WriteFile(o.json, text); !s.ok()) {
-      return app::Refuse(kName, s.message(), app::kExitFailed);
-    }
+    const auto json = ToJson(*scene, problem, *handles, summary, example, o);
+    if (Status s = app::WriteJson(o.json, json, 2); !s.ok()) return app::Failed(s);
   }
-  return app::kExitOk;
+  return {};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App cli(kDescription, kName);
-  cli.footer(kFooter);
+  app::Program program(kName, kDescription, kFooter);
   Options options;
-  AddOptions(cli, options);
-  if (const auto exit_code = app::Parse(cli, argc, argv)) return *exit_code;
-  return Run(options);
+  AddOptions(program, options);
+  return program.Run(argc, argv, [&] { return Run(options); });
 }

@@ -36,14 +36,14 @@ def read_csv(path):
             row = rows.setdefault(weight, {"fixed": fixed, "weight": weight, "trials": []})
             row["aligned"] = weight == 0
             row["trials"].append({
-                "pose_error": float(line["pose_error"]),
-                "point_error": float(line["point_error"]),
+                "pose_error_m": float(line["pose_error_m"]),
+                "point_error_per_m": float(line["point_error_per_m"]),
                 "iterations": int(line["iterations"]),
                 "time_ms": float(line["time_ms"]),
                 "converged": line["converged"] == "1",
                 "steps": [],
             })
-    return {"rows": list(rows.values()), "course_stop": False, "lm": "", "pose_noise": None}
+    return {"rows": list(rows.values()), "course_stop": False, "method": "", "pose_noise_m_rad": None}
 
 
 def read(path):
@@ -94,11 +94,11 @@ def level(ax, row, key, color, label, style, scale=1.0):
 def describe(sweep):
     if sweep.get("course_stop"):
         name = "course's damping and stop"
-    elif sweep.get("lm") == "course":
+    elif sweep.get("method") == "course":
         name = "course's damping, converged"
     else:
         name = "converged"
-    noise = sweep.get("pose_noise")
+    noise = sweep.get("pose_noise_m_rad")
     if noise is None:
         return name
     return name + (f", start {noise:g} m and rad off" if noise > 0 else ", start at the truth")
@@ -118,7 +118,7 @@ def plot_accuracy(plt, sweeps, path):
                              gridspec_kw={"height_ratios": (1.25, 1, 1)})
     colors = (BLUE, RED, GREEN)
     fixed = one_row(sweeps[0], "fixed")
-    quantities = (("pose_error", 1e3, "pose error [mm]"), ("point_error", 1e3, "point error [1/km]"))
+    quantities = (("pose_error_m", 1e3, "pose error [mm]"), ("point_error_per_m", 1e3, "point error [1/km]"))
     for ax, (key, scale, label) in zip(axes, quantities):
         for k, (sweep, color, marker) in enumerate(zip(sweeps, colors, "os^")):
             band(ax, sweep, key, color, describe(sweep), marker, scale, zorder=5 - k)
@@ -130,8 +130,8 @@ def plot_accuracy(plt, sweeps, path):
 
     rows = weighted(sweeps[0])
     x = [r["weight"] for r in rows]
-    target = quantiles(fixed, "pose_error")[1]
-    y = [1e3 * abs(quantiles(r, "pose_error")[1] - target) for r in rows]
+    target = quantiles(fixed, "pose_error_m")[1]
+    y = [1e3 * abs(quantiles(r, "pose_error_m")[1] - target) for r in rows]
     axes[2].plot(x, y, marker="o", markersize=4, color=BLUE, label=describe(sweeps[0]))
     tail = [(w, e) for w, e in zip(x, y) if 1e3 <= w <= 1e6]
     if tail:
@@ -175,8 +175,8 @@ def plot_path(plt, sweep, weights, path):
     rows = choose(weighted(sweep), weights)
     free = one_row(sweep, "free")
     rows = ([free] if free else []) + rows
-    panels = (("prior_position_error", "prior error, position [m]"),
-              ("prior_rotation_error", "prior error, rotation [rad]"))
+    panels = (("prior_position_error_m", "prior error, position [m]"),
+              ("prior_rotation_error_rad", "prior error, rotation [rad]"))
     fig, axes = plt.subplots(1, 2, figsize=(9.6, 4.6), sharey=True, layout="constrained")
     for ax, (key, label) in zip(axes, panels):
         for k, row in enumerate(rows):

@@ -6,6 +6,7 @@
 #include <ceres/solver.h>
 
 #include "glissade/bridge/ceres.h"
+#include "glissade/vertices/camera_bal.h"
 #endif
 
 namespace glissade::app {
@@ -16,6 +17,26 @@ bool HaveCeres() {
   return true;
 }
 
+namespace {
+
+ceres::LinearSolverType LinearSolverFor(const Graph& graph, LinearSolverType type) {
+  switch (type) {
+    case LinearSolverType::kDenseCholesky:
+      return ceres::DENSE_SCHUR;
+    case LinearSolverType::kSparseCholesky:
+      return ceres::SPARSE_SCHUR;
+    case LinearSolverType::kPcg:
+      return ceres::ITERATIVE_SCHUR;
+    case LinearSolverType::kAuto:
+      break;
+  }
+  // "Up to a hundred or so cameras" says its manual of the dense one.
+  const bool small = graph.NumVertices<VertexCameraBal>() <= 100;
+  return small ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+}
+
+}  // namespace
+
 Result<CeresResult> SolveWithCeres(Graph* graph, const SolveOptions& options) {
   ceres::Solver::Options ceres_options;
   ceres_options.max_num_iterations = options.max_iterations;
@@ -24,9 +45,10 @@ Result<CeresResult> SolveWithCeres(Graph* graph, const SolveOptions& options) {
   ceres_options.gradient_tolerance = 0.0;
   ceres_options.parameter_tolerance = 0.0;
   ceres_options.logging_type = ceres::SILENT;
-  const bool dense = options.linear_solver_type == LinearSolverType::kDenseCholesky;
-  ceres_options.linear_solver_type = dense ? ceres::DENSE_SCHUR : ceres::ITERATIVE_SCHUR;
-  if (!dense) ceres_options.preconditioner_type = ceres::SCHUR_JACOBI;
+  ceres_options.linear_solver_type = LinearSolverFor(*graph, options.linear_solver_type);
+  if (ceres_options.linear_solver_type == ceres::ITERATIVE_SCHUR) {
+    ceres_options.preconditioner_type = ceres::SCHUR_JACOBI;
+  }
 
   const ceres::Solver::Summary summary = bridge::SolveWithCeres(graph, ceres_options);
   if (!summary.IsSolutionUsable()) {

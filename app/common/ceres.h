@@ -24,8 +24,10 @@ struct CeresResult {
 bool HaveCeres();
 
 /// Solves the graph with Ceres under the same limit of iterations, number of threads and stopping
-/// rule on the cost: DENSE_SCHUR in place of dense Cholesky, ITERATIVE_SCHUR with Schur-Jacobi in
-/// place of PCG. Refused without Ceres, or where Ceres finds no usable solution.
+/// rule on the cost: DENSE_SCHUR in place of dense Cholesky, SPARSE_SCHUR in place of the sparse
+/// one, ITERATIVE_SCHUR with Schur-Jacobi in place of PCG; where the choice is left to the library,
+/// dense up to 100 cameras and sparse beyond, as its manual advises. Refused without Ceres, or
+/// where Ceres finds no usable solution.
 Result<CeresResult> SolveWithCeres(Graph* graph, const SolveOptions& options);
 
 }  // namespace glissade::app

@@ -10,8 +10,17 @@ namespace glissade::app {
 
 namespace {
 
-GaugeRunOptions Converge() {
+/// By the paper's rules, timed.
+GaugeRunOptions Paper(const GaugeStudyOptions& study) {
   GaugeRunOptions options;
+  options.solve.linear_solver_type = study.linear_solver;
+  options.timed_runs = study.timed_runs;
+  return options;
+}
+
+GaugeRunOptions Converge(const GaugeStudyOptions& study) {
+  GaugeRunOptions options;
+  options.solve.linear_solver_type = study.linear_solver;
   options.converge = true;
   return options;
 }
@@ -86,8 +95,7 @@ Result<GaugeConfiguration> RunConfiguration(const ProblemSource& source,
     samples.Resize(At(options.trials));
   const int num_converged = std::min(options.trials, options.converged_trials);
   std::vector<GaugeAgreement> free(At(num_converged)), prior(At(num_converged));
-  GaugeRunOptions paper;
-  paper.timed_runs = options.timed_runs;
+  const GaugeRunOptions paper = Paper(options);
   const Status status =
       ForEachTrial(options.trials, options.num_threads, progress, [&](int trial) -> Status {
         const auto problem = source(trial);
@@ -98,11 +106,12 @@ Result<GaugeConfiguration> RunConfiguration(const ProblemSource& source,
           result.methods[static_cast<int>(method)].Set(At(trial), *run);
         }
         if (trial >= num_converged) return {};
-        const auto fixed = RunGauge(*problem, GaugeMethod::kFixed, 0.0, Converge());
+        const auto fixed = RunGauge(*problem, GaugeMethod::kFixed, 0.0, Converge(options));
         if (!fixed.ok()) return fixed.status();
-        const auto f = RunGauge(*problem, GaugeMethod::kFree, 0.0, Converge());
+        const auto f = RunGauge(*problem, GaugeMethod::kFree, 0.0, Converge(options));
         if (!f.ok()) return f.status();
-        const auto p = RunGauge(*problem, GaugeMethod::kPrior, options.prior_weight, Converge());
+        const auto p =
+            RunGauge(*problem, GaugeMethod::kPrior, options.prior_weight, Converge(options));
         if (!p.ok()) return p.status();
         free[At(trial)].Include(*f, *fixed, *problem, true);
         prior[At(trial)].Include(*p, *fixed, *problem, false);
@@ -128,8 +137,7 @@ Result<std::vector<GaugeWeight>> RunWeights(const ProblemSource& source,
   const int num_converged = std::min(options.trials, options.converged_trials);
   std::vector<std::vector<GaugeAgreement>> agreements(At(num_converged),
                                                       std::vector<GaugeAgreement>(result.size()));
-  GaugeRunOptions paper;
-  paper.timed_runs = options.timed_runs;
+  const GaugeRunOptions paper = Paper(options);
   GaugeRunOptions light = paper;
   light.solve.initial_lambda = kLightDamping;
   const Status status =
@@ -138,7 +146,7 @@ Result<std::vector<GaugeWeight>> RunWeights(const ProblemSource& source,
         if (!problem.ok()) return problem.status();
         const bool converge = trial < num_converged;
         Result<GaugeRun> fixed = GaugeRun{};
-        if (converge) fixed = RunGauge(*problem, GaugeMethod::kFixed, 0.0, Converge());
+        if (converge) fixed = RunGauge(*problem, GaugeMethod::kFixed, 0.0, Converge(options));
         if (!fixed.ok()) return fixed.status();
         for (std::size_t k = 0; k < result.size(); ++k) {
           const double weight = result[k].weight;
@@ -149,7 +157,7 @@ Result<std::vector<GaugeWeight>> RunWeights(const ProblemSource& source,
           if (!undamped.ok()) return undamped.status();
           result[k].light.Set(At(trial), *undamped);
           if (!converge) continue;
-          const auto last = RunGauge(*problem, GaugeMethod::kPrior, weight, Converge());
+          const auto last = RunGauge(*problem, GaugeMethod::kPrior, weight, Converge(options));
           if (!last.ok()) return last.status();
           // Without a prior the gauge is where the solve left it; with one it is where it belongs.
           agreements[At(trial)][k].Include(*last, *fixed, *problem, weight == 0.0);
@@ -169,7 +177,8 @@ Result<std::vector<GaugePath>> RunPaths(const ProblemSource& source,
                                         const GaugeStudyOptions& options) {
   const auto problem = source(0);
   if (!problem.ok()) return problem.status();
-  GaugeRunOptions watched;
+  GaugeRunOptions watched = Paper(options);
+  watched.timed_runs = 1;
   watched.record_steps = true;
   std::vector<GaugePath> paths;
   for (const double weight : options.path_weights) {

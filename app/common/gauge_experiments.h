@@ -18,9 +18,10 @@ namespace glissade::app {
 
 struct GaugeStudyOptions {
   int trials = 50;
-  std::uint64_t seed = 1;
+  std::uint32_t seed = 1;
   int num_threads = 2;
   int timed_runs = 3;
+  LinearSolverType linear_solver = LinearSolverType::kAuto;
   int converged_trials = 5;     ///< of these, solves are also run until they converge
   double prior_weight = 1e5;    ///< of the method "prior"
   std::vector<double> weights;  ///< of the sweep

@@ -76,6 +76,7 @@ Result<GaugeRun> RunGauge(const sim::ViProblem& problem, GaugeMethod method, dou
   auto handles = sim::AddToGraph(problem, {}, &start);
   if (!handles.ok()) return handles.status();
   SolveOptions solve = options.converge ? ConvergedOptions() : options.solve;
+  solve.linear_solver_type = options.solve.linear_solver_type;
   solve.gauge = MakeGauge(method, weight, problem, *handles);
   GaugeRun run;
   if (options.record_steps) {
@@ -99,6 +100,7 @@ Result<GaugeRun> RunGauge(const sim::ViProblem& problem, GaugeMethod method, dou
     if (options.converge) {
       SolveOptions polish = ConvergedOptions(true);
       polish.gauge = solve.gauge;
+      polish.linear_solver_type = solve.linear_solver_type;
       const SolveSummary& last = solved.Solve(polish);
       if (!last.ok()) return last.status;
     }

@@ -52,7 +52,7 @@ struct GaugeRunOptions {
   SolveOptions solve = PaperOptions();
   int timed_runs = 1;         ///< the fastest counts; results are the same
   bool record_steps = false;  ///< in a run that is not timed
-  bool converge = false;      ///< ConvergedOptions in place of `solve`
+  bool converge = false;      ///< ConvergedOptions in place of `solve`, but its linear solver
 };
 
 Result<GaugeRun> RunGauge(const sim::ViProblem& problem, GaugeMethod method, double weight,

@@ -8,6 +8,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "common/output_file.h"
+
 namespace glissade::app {
 
 namespace {
@@ -83,41 +85,39 @@ void PrintMethods(const std::string& name, const GaugeConfiguration& c) {
   for (const GaugeMethod method : kGaugeMethods) {
     const GaugeSamples& s = c.methods[static_cast<int>(method)];
     const auto percent = [](double a, double b) { return 100.0 * (a - b) / b; };
-    fmt::print(
-        "{:<18} {:<6} {:>11.7f} {:>11.7f} {:>11.7f} {:>7.3f} {:>7.3f} {:>7.3f} {:>6g} {:>9.3f}\n",
-        method == GaugeMethod::kFixed ? name : "", ToString(method), Mean(s.position_m),
-        Mean(s.rotation_deg), Mean(s.velocity_mps),
-        percent(Mean(s.position_m), Mean(fixed.position_m)),
-        percent(Mean(s.rotation_deg), Mean(fixed.rotation_deg)),
-        percent(Mean(s.velocity_mps), Mean(fixed.velocity_mps)), Quantile(s.iterations, 0.5),
-        Quantile(s.time_ms, 0.5));
+    Print("{:<18} {:<6} {:>11.7f} {:>11.7f} {:>11.7f} {:>7.3f} {:>7.3f} {:>7.3f} {:>6g} {:>9.3f}\n",
+          method == GaugeMethod::kFixed ? name : "", ToString(method), Mean(s.position_m),
+          Mean(s.rotation_deg), Mean(s.velocity_mps),
+          percent(Mean(s.position_m), Mean(fixed.position_m)),
+          percent(Mean(s.rotation_deg), Mean(fixed.rotation_deg)),
+          percent(Mean(s.velocity_mps), Mean(fixed.velocity_mps)), Quantile(s.iterations, 0.5),
+          Quantile(s.time_ms, 0.5));
   }
   const GaugeAgreement& a = c.free;
-  fmt::print(
-      "{:<18} converged, free against fixed: cost {:.1e}, {:.1e} m, {:.1e} rad, {:.1e} m/s\n", "",
-      a.cost, a.states.position_m, a.states.rotation_rad, a.states.velocity_mps);
+  Print("{:<18} converged, free against fixed: cost {:.1e}, {:.1e} m, {:.1e} rad, {:.1e} m/s\n", "",
+        a.cost, a.states.position_m, a.states.rotation_rad, a.states.velocity_mps);
 }
 
 }  // namespace
 
 void PrintStudy(const GaugeStudy& study) {
-  fmt::print("{:<18} {:<6} {:>11} {:>11} {:>11} {:>23} {:>6} {:>9}\n", "", "method", "p [m]",
-             "phi [deg]", "v [m/s]", "against fixed [%]", "iter.", "time [ms]");
+  Print("{:<18} {:<6} {:>11} {:>11} {:>11} {:>23} {:>6} {:>9}\n", "", "method", "p [m]",
+        "phi [deg]", "v [m/s]", "against fixed [%]", "iter.", "time [ms]");
   for (const GaugeConfiguration& c : study.configurations)
     PrintMethods(c.trajectory + " " + c.points, c);
   if (!study.weights.empty()) {
-    fmt::print(
+    Print(
         "\nweights, {}; light: iterations with lambda_0 = {:g}; to the right: run until it "
         "converges, against fixed\n",
         study.sweep_configuration, kLightDamping);
-    fmt::print("{:>8} {:>12} {:>12} {:>12} {:>6} {:>9} {:>6}   {:>6} {:>8} {:>8} {:>8} {:>8}\n",
-               "weight", "p [m]", "phi [deg]", "v [m/s]", "iter.", "time [ms]", "light", "iter.",
-               "cost", "p [m]", "[rad]", "v [m/s]");
+    Print("{:>8} {:>12} {:>12} {:>12} {:>6} {:>9} {:>6}   {:>6} {:>8} {:>8} {:>8} {:>8}\n",
+          "weight", "p [m]", "phi [deg]", "v [m/s]", "iter.", "time [ms]", "light", "iter.", "cost",
+          "p [m]", "[rad]", "v [m/s]");
   }
   for (const GaugeWeight& w : study.weights) {
     const GaugeSamples& s = w.samples;
     const GaugeAgreement& a = w.agreement;
-    fmt::print(
+    Print(
         "{:>8g} {:>12.8f} {:>12.8f} {:>12.8f} {:>6g} {:>9.3f} {:>6g}   {:>6} {:>8.1e} "
         "{:>8.1e} {:>8.1e} {:>8.1e}\n",
         w.weight, Mean(s.position_m), Mean(s.rotation_deg), Mean(s.velocity_mps),
@@ -125,18 +125,18 @@ void PrintStudy(const GaugeStudy& study) {
         a.iterations, a.cost, a.states.position_m, a.states.rotation_rad, a.states.velocity_mps);
   }
   for (const GaugeCovariances& c : study.covariance) {
-    fmt::print("\ncovariance, {}, {} keyframes: transformed free against fixed {:.2e}\n",
-               study.sweep_configuration, c.keyframes, c.relative_error);
+    Print("\ncovariance, {}, {} keyframes: transformed free against fixed {:.2e}\n",
+          study.sweep_configuration, c.keyframes, c.relative_error);
   }
   for (const GaugeRealResult& r : study.real) {
-    fmt::print("\n");
+    Print("\n");
     PrintMethods(r.dataset, r.configuration);
-    fmt::print("{:<18} covariance, {} keyframes: transformed free against fixed {:.2e}\n", "",
-               r.covariance.keyframes, r.covariance.relative_error);
+    Print("{:<18} covariance, {} keyframes: transformed free against fixed {:.2e}\n", "",
+          r.covariance.keyframes, r.covariance.relative_error);
   }
 }
 
-std::string ToJson(const GaugeStudy& study) {
+Json ToJson(const GaugeStudy& study) {
   Json json = {{"trials", study.options.trials},
                {"seed", study.options.seed},
                {"prior_weight", study.options.prior_weight},
@@ -173,7 +173,7 @@ std::string ToJson(const GaugeStudy& study) {
                                           {"covariance", CovarianceToJson(r.covariance)}},
                                          r.configuration));
   }
-  return json.dump() + "\n";
+  return json;
 }
 
 std::string ToCsv(const GaugeStudy& study) {

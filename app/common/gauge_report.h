@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,7 @@ struct GaugeStudy {
 void PrintStudy(const GaugeStudy& study);
 /// Errors are means, iterations and times medians over the trials. The same bytes for the same
 /// numbers, apart from those named time_ms.
-std::string ToJson(const GaugeStudy& study);
+nlohmann::ordered_json ToJson(const GaugeStudy& study);
 /// One line per configuration or weight, method and trial.
 std::string ToCsv(const GaugeStudy& study);
 

@@ -10,6 +10,10 @@
 
 namespace glissade::app {
 
+namespace {
+bool stdout_is_for_data = false;
+}
+
 OutputFile::~OutputFile() {
   if (file_ == nullptr) return;
   std::fclose(file_);
@@ -62,10 +66,25 @@ Status OutputFile::Commit() {
 }
 
 Status WriteFile(const std::string& path, std::string_view text) {
+  if (path == "-") {
+    if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
+        std::fflush(stdout) == 0) {
+      return {};
+    }
+    return {StatusCode::kIoError, "standard output cannot be written"};
+  }
   OutputFile file;
   if (Status status = file.Open(path); !status.ok()) return status;
   file.Write(text);
   return file.Commit();
+}
+
+std::FILE* TextStream() {
+  return stdout_is_for_data ? stderr : stdout;
+}
+
+void KeepStdoutForData() {
+  stdout_is_for_data = true;
 }
 
 }  // namespace glissade::app

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "glissade/base/status.h"
 
@@ -32,7 +35,17 @@ class OutputFile {
   int error_ = 0;
 };
 
-/// Opens, writes and commits.
+/// Opens, writes and commits; for "-", writes to standard output.
 Status WriteFile(const std::string& path, std::string_view text);
+
+/// Standard output, or standard error where standard output is for data.
+std::FILE* TextStream();
+void KeepStdoutForData();
+
+/// Text for people.
+template <class... Args>
+void Print(fmt::format_string<Args...> format, Args&&... args) {
+  fmt::print(TextStream(), format, std::forward<Args>(args)...);
+}
 
 }  // namespace glissade::app

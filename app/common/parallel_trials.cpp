@@ -7,9 +7,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
+
+#include "common/interrupt.h"
 
 namespace glissade::app {
 
@@ -47,8 +51,13 @@ Status ForEachTrial(int n, int num_threads, ProgressBar* progress,
   std::atomic<int> next{0};
   std::mutex mutex;
   const auto work = [&] {
-    for (int trial = next++; trial < n; trial = next++) {
-      statuses[static_cast<std::size_t>(trial)] = f(trial);
+    for (int trial = next++; trial < n && !Interrupted(); trial = next++) {
+      Status& status = statuses[static_cast<std::size_t>(trial)];
+      try {
+        status = f(trial);
+      } catch (const std::exception& error) {  // must not leave its thread
+        status = {StatusCode::kEvaluationFailed, error.what()};
+      }
       if (progress != nullptr) {
         const std::lock_guard lock(mutex);
         progress->Advance();
@@ -56,14 +65,19 @@ Status ForEachTrial(int n, int num_threads, ProgressBar* progress,
     }
   };
   std::vector<std::thread> threads;
-  for (int k = 1; k < std::min(num_threads, n); ++k)
-    threads.emplace_back(work);
+  try {
+    for (int k = 1; k < std::min(num_threads, n); ++k)
+      threads.emplace_back(work);
+  } catch (const std::system_error&) {
+    // The system gives no more: those that there are do the work.
+  }
   work();
   for (std::thread& thread : threads)
     thread.join();
   for (const Status& status : statuses) {
     if (!status.ok()) return status;
   }
+  if (Interrupted()) return {StatusCode::kEvaluationFailed, "interrupted"};
   return {};
 }
 

@@ -33,7 +33,8 @@ class ProgressBar {
 
 /// Calls f(trial) for each trial in [0, n) on num_threads threads and returns the failure of the
 /// lowest trial, if any. Results must go to places that belong to their trial: then nothing depends
-/// on the threads. `progress` may be null.
+/// on the threads. Interrupted, no further trial is begun, and that is a failure. `progress` may be
+/// null.
 Status ForEachTrial(int n, int num_threads, ProgressBar* progress,
                     const std::function<Status(int trial)>& f);
 

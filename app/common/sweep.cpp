@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/alignment.h"
+#include "common/interrupt.h"
 #include "glissade/sim/random.h"
 
 namespace glissade::app {
@@ -80,7 +81,7 @@ Result<SweepTrial> RunTrial(const CourseScene& scene, const SweepOptions& option
     if (it.accepted) {
       trial.steps.push_back(Measure(it, scene, problem, *handles, options.num_priors));
     }
-    return CallbackAction::kContinue;
+    return Interrupted() ? CallbackAction::kStop : CallbackAction::kContinue;
   };
   const SolveSummary& summary = problem.Solve(solve);
   if (!summary.ok()) return summary.status;
@@ -107,11 +108,14 @@ Result<std::vector<SweepRow>> RunSweep(const CourseScene& scene, const SweepOpti
   rows.push_back({.fixed = true, .weight = 0.0, .trials = {}});
   for (SweepRow& row : rows) {
     for (const PoseNoise& trial_noise : noise) {
+      if (Interrupted()) break;
       auto trial = RunTrial(scene, options, row, trial_noise);
+      if (Interrupted()) break;  // that trial may have been cut short
       if (!trial.ok()) return trial.status();
       row.trials.push_back(std::move(trial).value());
     }
   }
+  std::erase_if(rows, [](const SweepRow& row) { return row.trials.empty(); });
   return rows;
 }
 

@@ -46,7 +46,8 @@ struct SweepOptions {
 };
 
 /// Solves the scene for each weight and trial, and once more with the first poses fixed. The start
-/// poses of a trial are the same for all weights; priors stay at the truth.
+/// poses of a trial are the same for all weights; priors stay at the truth. Interrupted, it returns
+/// the rows and trials until then.
 Result<std::vector<SweepRow>> RunSweep(const CourseScene& scene, const SweepOptions& options);
 
 }  // namespace glissade::app

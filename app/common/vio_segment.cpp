@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/vio_segment.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -80,8 +82,14 @@ Status AddKeyframes(const Viotracks& recording, const VioSegmentOptions& options
   for (const GroundTruthState& state : recording.ground_truth)
     truth[state.stamp_ns] = &state;
   if (recording.frames.empty()) return Refused("the recording has no frames");
-  const std::int64_t begin =
-      recording.frames[0].stamp_ns + static_cast<std::int64_t>(1e9 * options.start_s);
+  const std::int64_t first = recording.frames.front().stamp_ns;
+  const double length_s = 1e-9 * static_cast<double>(recording.frames.back().stamp_ns - first);
+  // Before it becomes nanoseconds: not every number of seconds does.
+  if (!(options.start_s >= 0.0 && options.start_s <= length_s)) {
+    return Refused(fmt::format("must begin from 0 to {:g} s after the first frame, not at {:g} s",
+                               length_s, options.start_s));
+  }
+  const std::int64_t begin = first + static_cast<std::int64_t>(1e9 * options.start_s);
   std::size_t frame = 0;
   while (frame < recording.frames.size() && recording.frames[frame].stamp_ns < begin)
     ++frame;

@@ -5,10 +5,13 @@
 import json
 import os
 import pathlib
+import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -29,10 +32,18 @@ def strict_json(text):
     return json.loads(text, parse_constant=refuse)
 
 
+# What no numeric option takes. A test adds what its option must refuse besides.
+NO_NUMBERS = ("nan", "inf", "-inf", "1e300", "-1e300", "1e999", "", " ", "text", "1x", "0x10", "1,5",
+              "--", "-")
+
+HEADER = {"schema", "version", "isa", "file", "interrupted"}
+
+
 class AppTest(unittest.TestCase):
     """Runs one app in an empty folder of its own."""
 
     app = ""
+    numeric_options = {}  # option -> further values that it refuses
     folder_of_executables = pathlib.Path()
 
     def setUp(self):
@@ -51,10 +62,77 @@ class AppTest(unittest.TestCase):
         return result.stdout
 
     def run_json(self, *args, **kwargs):
-        """Runs with --json; the parsed result."""
+        """Runs with --json; the parsed result, whose header has been checked."""
         path = self.folder / "result.json"
         self.run_ok(*args, "--json", path, **kwargs)
-        return strict_json(path.read_text(encoding="utf-8"))
+        result = strict_json(path.read_text(encoding="utf-8"))
+        self.check_header(result)
+        return result
+
+    def check_header(self, result, interrupted=False):
+        self.assertEqual(list(result)[:5], ["schema", "version", "isa", "file", "interrupted"])
+        self.assertEqual(result["schema"], f"glissade/{self.app}/1")
+        self.assertRegex(result["version"], r"^\d+\.\d+\.\d+$")
+        self.assertIn(result["isa"], ("baseline", "avx2", "avx512"))
+        self.assertEqual(result["interrupted"], interrupted)
+
+    def check_json_on_stdout(self, *args):
+        """With --json - nothing but JSON is on stdout; the text for people is on stderr."""
+        text = self.run_ok(*args)
+        result = self.run_app(*args, "--json", "-")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.check_header(strict_json(result.stdout))
+        # The same text, numbers that are times or memory apart.
+        def words(lines):
+            return re.sub(r"[-+]?[0-9][-+0-9.e]*", "#", lines).split()
+        self.assertEqual(words(result.stderr), words(text))
+        self.assertEqual([f for f in self.files() if f == "-"], [])
+
+    def check_interrupt(self, *args, after, timeout=120):
+        """Sends Ctrl-C once stdout has had a line that contains `after` (None: after four seconds
+        of silence); gives stdout and the JSON that was written all the same."""
+        path = self.folder / "interrupted.json"
+        command = [str(self.folder_of_executables / self.app), *map(str, args), "--json", str(path)]
+        with subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True) as process:
+            self.addCleanup(process.kill)
+            watch = threading.Timer(timeout, process.kill)  # not for ever, whatever goes wrong
+            watch.start()
+            self.addCleanup(watch.cancel)
+            out = ""
+            if after is None:
+                try:
+                    process.wait(4.0)
+                except subprocess.TimeoutExpired:
+                    pass
+            else:
+                # It comes while the work goes on: lines are flushed.
+                while after not in out:
+                    line = process.stdout.readline()
+                    if not line:
+                        self.fail(out + process.stderr.read())
+                    out += line
+            self.assertIsNone(process.poll(), "too quick to be interrupted")
+            process.send_signal(signal.SIGINT)
+            rest, error = process.communicate(timeout=timeout)
+        self.assertEqual(process.returncode, 130, error)
+        self.assertIn("interrupted", error)
+        self.assertEqual(error.count("\n"), 1, error)
+        result = strict_json(path.read_text(encoding="utf-8"))
+        self.check_header(result, interrupted=True)
+        return out + rest, result
+
+    def check_numeric_options(self, *args):
+        """No option takes for a number what is none, or one that it cannot mean."""
+        for option, more in self.numeric_options.items():
+            for value in (*NO_NUMBERS, *more):
+                self.check_refused(*args, f"{option}={value}", says=option)
+                if not value.startswith("--"):
+                    self.check_refused(*args, option, value, says=option)
+        # Nor is one left out of this test.
+        text = self.run_ok("--help")
+        numeric = set(re.findall(r"^  (--[a-z-]+) (?:N|X|X,X,\.\.\.)(?: |$)", text, re.MULTILINE))
+        self.assertEqual(numeric, set(self.numeric_options))
 
     def write(self, name, text):
         path = self.folder / name
@@ -77,8 +155,30 @@ class AppTest(unittest.TestCase):
 
     def check_help(self, *words):
         text = self.run_ok("--help")
-        for word in (*words, "Examples:", "Exit code:", self.app):
+        for word in (*words, "Examples:", "Exit code:", self.app, "--version", "--json", "130",
+                     "--linear-solver", "'auto' (default)", "--threads"):
             self.assertIn(word, text)
+        for line in text.splitlines():
+            self.assertLessEqual(len(line), 100, line)
+
+    def check_version(self):
+        text = self.run_ok("--version")
+        self.assertRegex(text, rf"^{self.app} \(glissade\) \d+\.\d+\.\d+\n")
+        self.assertRegex(text, r"(?m)^instruction sets: baseline.*; in use here: (baseline|avx2|avx512)$")
+        self.assertRegex(text, r"(?m)^options: .*Ceres")
+        self.assertRegex(text, r"(?m)^compiler: \S+ [0-9.]+$")
+
+    def check_linear_solvers(self, *args, cost):
+        """All lead to the same; the default is the library's own choice."""
+        results = {which: self.run_json(*args, "--linear-solver", which)
+                   for which in ("auto", "dense", "sparse", "pcg")}
+        for which, result in results.items():
+            self.assertEqual(result["linear_solver"], which)
+            self.assertAlmostEqual(cost(result) / cost(results["auto"]), 1, delta=1e-6, msg=which)
+        default = self.run_json(*args)
+        self.assertEqual(default["linear_solver"], "auto")
+        self.assertEqual(cost(default), cost(results["auto"]))
+        self.check_refused(*args, "--linear-solver", "qr", says="--linear-solver")
 
 
 def main(test_class):

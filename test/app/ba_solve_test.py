@@ -8,10 +8,10 @@ import gzip
 import math
 import random
 
-from app_test_util import AppTest, data_folder, main
+from app_test_util import HEADER, AppTest, data_folder, main
 
-KEYS = {"cameras", "points", "observations", "initial_cost", "final_cost", "iterations", "status",
-        "time_s", "peak_rss_mb", "linear_solver", "threads"}
+KEYS = HEADER | {"cameras", "points", "observations", "initial_cost", "final_cost", "iterations", "status",
+        "time_s", "peak_rss_mb", "method", "linear_solver", "threads"}
 
 
 def rotate(w, x):
@@ -64,6 +64,9 @@ def make_bal(num_cameras=5, num_points=60, noise=0.5, seed=3):
 
 class BaSolve(AppTest):
     app = "ba_solve"
+    numeric_options = {"--iterations": ("-1", "1.5", "1000001", "1e3"),
+                       "--threads": ("0", "-1", "1025", "1e9", "2.0"),
+                       "--tolerance": ("-1e-9", "-1", "1")}
 
     def check_schema(self, result, *more):
         self.assertEqual(set(result), KEYS | set(more))
@@ -94,10 +97,10 @@ class BaSolve(AppTest):
     def test_options_lead_to_the_same_optimum(self):
         path = self.write("a.txt", make_bal()[0])
         best = self.run_json(path, "--tolerance", "1e-12")["final_cost"]
-        for args in (("--linear-solver", "pcg"), ("--threads", 4)):
+        for args in (("--method", "nielsen"), ("--method", "dogleg"), ("--threads", 4)):
             result = self.run_json(path, "--tolerance", "1e-12", *args)
             self.assertAlmostEqual(result["final_cost"] / best, 1.0, places=8, msg=args)
-        self.assertEqual(self.run_json(path, "--linear-solver", "pcg")["linear_solver"], "pcg")
+        self.check_linear_solvers(path, "--tolerance", "1e-12", cost=lambda r: r["final_cost"])
         self.assertEqual(self.run_json(path, "--threads", 2)["threads"], 2)
 
     def test_threads_do_not_change_a_bit(self):
@@ -109,11 +112,13 @@ class BaSolve(AppTest):
 
     def test_losses(self):
         path = self.write("a.txt", make_bal()[0])
-        costs = {loss: self.run_json(path, "--loss", loss, "--loss-width", 0.5)["final_cost"]
-                 for loss in ("none", "huber", "cauchy", "tukey")}
-        self.assertEqual(len(set(costs.values())), 4)
-        for loss in ("huber", "cauchy", "tukey"):
-            self.assertLess(costs[loss], costs["none"])
+        costs = {loss: self.run_json(path, "--loss", loss)["final_cost"]
+                 for loss in ("none", "huber:0.5", "cauchy:0.5", "tukey:0.5", "huber", "huber:1")}
+        self.assertEqual(costs.pop("huber"), costs["huber:1"])
+        self.assertEqual(len(set(costs.values())), 5)
+        for loss, cost in costs.items():
+            if loss != "none":
+                self.assertLess(cost, costs["none"])
 
     def test_tolerance_and_iterations(self):
         path = self.write("a.txt", make_bal()[0])
@@ -168,13 +173,14 @@ class BaSolve(AppTest):
         path = self.write("a.txt", make_bal(num_points=10)[0])
         for args, says in (
                 ((), "FILE"), ((path, path), str(path)), ((path, "--linear-solver", "qr"), "--linear"),
-                ((path, "--iterations", "-1"), "--iterations"),
-                ((path, "--iterations", "ten"), "--iterations"),
-                ((path, "--threads", "0"), "--threads"), ((path, "--threads", "1e9"), "--threads"),
-                ((path, "--loss", "l1"), "--loss"), ((path, "--loss-width", "0"), "--loss-width"),
-                ((path, "--loss-width", "nan"), "--loss-width"),
-                ((path, "--tolerance", "-1e-9"), "--tolerance"),
-                ((path, "--tolerance", "nan"), "--tolerance"),
+                ((path, "--linear-solver", ""), "--linear"), ((path, "--method", "gn"), "--method"),
+                ((path, "--method", "course"), "--method"),
+                ((path, "--loss", "l1"), "--loss"), ((path, "--loss", ""), "--loss"),
+                ((path, "--loss", "none:1"), "--loss"), ((path, "--loss", "huber:0"), "--loss"),
+                *(((path, "--loss", f"tukey:{w}"), "--loss")
+                  for w in ("", "nan", "inf", "1e300", "-1", "x")),
+                ((path, "--output", "-"), "--output"), ((path, "--output", ""), "--output"),
+                ((path, "--json", ""), "--json"),
                 ((path, "--output", "no/such/a.txt"), "--output"),
                 ((path, "--json", "."), "--json"),
                 ((path, "--json", "same", "--output", "same"), "same"),
@@ -210,8 +216,41 @@ class BaSolve(AppTest):
         twice = self.write("twice.txt", "\n".join([lines[0], lines[2], *lines[2:]]) + "\n")
         self.check_refused(twice, "--json", "a.json", says="observations 0 and 1 ")
 
+    def test_numeric_options(self):
+        self.check_numeric_options(self.write("a.txt", make_bal(num_points=10)[0]))
+
+    def test_json_to_stdout(self):
+        path = self.write("a.txt", make_bal()[0])
+        self.check_json_on_stdout(path, "--iterations", 5, "--tolerance", 0)
+
+    def test_file_with_a_name_that_is_not_utf8(self):
+        import os
+        import subprocess
+        name = os.path.join(os.fsencode(self.folder), b"a\xff.txt")
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(make_bal(num_points=10)[0])
+        done = subprocess.run([str(self.folder_of_executables / self.app), name, "--json", "a.json"],
+                              cwd=self.folder, capture_output=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("a.json", self.files())
+
+    def test_interrupted_solve_leaves_the_best_state(self):
+        # Large, and far off: some seconds of steps that go down.
+        path = self.write("a.txt", make_bal(40, 3000, noise=20.0)[0])
+        out, result = self.check_interrupt(path, "--tolerance", 0, "--iterations", 1000000,
+                                           "--output", "b.txt", after="\n   0 ")
+        self.check_schema(result)
+        self.assertTrue(result["status"].startswith("cancelled"), result["status"])
+        self.assertIn("cancelled", out)
+        again = self.run_json("b.txt", "--iterations", 0)
+        self.assertEqual(again["initial_cost"], result["final_cost"])
+        self.assertLessEqual(result["final_cost"], result["initial_cost"])
+
+    def test_version(self):
+        self.check_version()
+
     def test_help(self):
-        self.check_help("FILE", "--linear-solver", "--iterations", "--threads", "--loss",
+        self.check_help("--method", "FILE", "--linear-solver", "--iterations", "--threads", "--loss",
                         "--tolerance", "--output", "--json", "--compare-ceres")
 
 

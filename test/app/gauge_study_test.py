@@ -23,6 +23,9 @@ def without_times(value):
 
 class GaugeStudy(AppTest):
     app = "gauge_study"
+    numeric_options = {"--trials": ("0", "-1", "x"), "--seed": ("-1", "4294967296"),
+                       "--threads": ("0", "-1"), "--vio-start": ("-1", "1e10"),
+                       "--vio-keyframes": ("1", "-1")}
 
     def check_configuration(self, row):
         fixed, free, prior = (row["methods"][m] for m in METHODS)
@@ -107,15 +110,35 @@ class GaugeStudy(AppTest):
             "accuracy", "iterations", "path", "methods", "covariance", "ellipses")))
 
     def test_refuses(self):
-        for args, says in ((("--trials", "0"), "--trials"), (("--trials", "x"), "--trials"),
-                           (("--seed", "-1"), "--seed"), (("--threads", "0"), "--threads"),
-                           (("--sweep", "square-plane"), "--sweep"),
+        for args, says in ((("--sweep", "square-plane"), "--sweep"),
                            (("--vio", "no/such/folder"), "no/such/folder"),
-                           (("--vio-start", "nan"), "--vio-start"),
-                           (("--vio-keyframes", "1"), "--vio-keyframes"),
+                           (("--linear-solver", "qr"), "--linear-solver"),
                            (("--json", "no/such/a.json"), "--json"), (("extra",), "extra"),
                            (("--json", "same", "--csv", "same"), "same")):
             self.check_refused(*args, says=says)
+
+    def test_numeric_options(self):
+        self.check_numeric_options()
+
+    def test_segment_behind_the_end_of_the_recording(self):
+        data = data_folder()
+        if data is None or not (data / "vio" / "euroc_v101_semi").is_dir():
+            self.skipTest("no recordings")
+        for start in ("1e9", "9.3e8", "100000"):
+            self.check_refused("--vio", data / "vio" / "euroc_v101_semi", "--vio-start", start,
+                               says="after the first frame, not at")
+
+    def test_interrupted_study(self):
+        _, result = self.check_interrupt("--trials", 100000, "--csv", "a.csv", after=None)
+        self.assertEqual(result["trials"], 100000)
+        self.assertLess(len(result["configurations"]), 6)
+        self.assertTrue((self.folder / "a.csv").exists())
+
+    def test_json_to_stdout(self):
+        self.check_json_on_stdout("--trials", 1)
+
+    def test_version(self):
+        self.check_version()
 
     def test_help(self):
         self.check_help("--trials", "--seed", "--vio", "--json", "--csv", "alignment")

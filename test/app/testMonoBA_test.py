@@ -5,7 +5,7 @@
 
 import re
 
-from app_test_util import ROOT, AppTest, main
+from app_test_util import HEADER, ROOT, AppTest, main
 
 
 def six(x):
@@ -15,6 +15,9 @@ def six(x):
 
 class TestMonoBA(AppTest):
     app = "testMonoBA"
+    numeric_options = {"--fix": ("-1", "1.5", "two", "4"),
+                       "--prior-weight": ("-1", "heavy"),
+                       "--iterations": ("-1", "99999999999999"), "--threads": ("0", "1025")}
 
     def lines(self, *args):
         """The (chi, lambda) of the `iter:` lines, as printed."""
@@ -24,18 +27,18 @@ class TestMonoBA(AppTest):
         return [(chi, lam) for _, chi, lam in found], out
 
     def check_schema(self, result, poses=3, points=20):
-        self.assertEqual(set(result), {"iterations", "converged_chi", "status", "points", "poses",
+        self.assertEqual(set(result), HEADER | {"iterations", "final_cost", "status", "points", "poses",
                                        "marginalize"})
         for k, iteration in enumerate(result["iterations"]):
-            self.assertEqual(set(iteration), {"iter", "chi", "lambda"})
+            self.assertEqual(set(iteration), {"iter", "cost", "lambda"})
             self.assertEqual(iteration["iter"], k)
         self.assertEqual(len(result["points"]), points)
         for point in result["points"]:
-            self.assertEqual(set(point), {"gt", "noise", "opt"})
+            self.assertEqual(set(point), {"gt_per_m", "noise_per_m", "opt_per_m"})
         self.assertEqual(len(result["poses"]), poses)
         for pose in result["poses"]:
-            self.assertEqual(set(pose), {"t", "gt"})
-            self.assertEqual((len(pose["t"]), len(pose["gt"])), (3, 3))
+            self.assertEqual(set(pose), {"t_m", "gt_m"})
+            self.assertEqual((len(pose["t_m"]), len(pose["gt_m"])), (3, 3))
         self.assertEqual(set(result["marginalize"]), {"before", "moved", "after"})
         self.assertIsInstance(result["status"], str)
 
@@ -61,15 +64,15 @@ class TestMonoBA(AppTest):
     def test_json(self):
         result = self.run_json()
         self.check_schema(result)
-        self.assertEqual(six(result["converged_chi"]), "9.85708e-05")
-        self.assertEqual(six(result["iterations"][1]["chi"]), "0.0290846")
+        self.assertEqual(six(2 * result["final_cost"]), "9.85708e-05")
+        self.assertEqual(six(2 * result["iterations"][1]["cost"]), "0.0290846")
         self.assertEqual(six(result["iterations"][0]["lambda"]), "0.00597396")
         self.assertTrue(result["status"].startswith("converged"))
         points = result["points"]
-        self.assertEqual([six(points[0]["gt"]), six(points[0]["noise"])], ["0.220938", "0.227057"])
-        self.assertEqual([six(points[k]["opt"]) for k in (0, 1, 19)],
+        self.assertEqual([six(points[0]["gt_per_m"]), six(points[0]["noise_per_m"])], ["0.220938", "0.227057"])
+        self.assertEqual([six(points[k]["opt_per_m"]) for k in (0, 1, 19)],
                          ["0.220958", "0.234806", "0.146673"])
-        self.assertEqual([six(x) for x in result["poses"][2]["t"]],
+        self.assertEqual([six(x) for x in result["poses"][2]["t_m"]],
                          ["-4.00178", "6.92753", "0.866931"])
         self.assertEqual([six(x) for x in result["marginalize"]["before"][0]], ["100", "-100", "0"])
         self.assertEqual([[six(x) for x in row] for row in result["marginalize"]["after"]],
@@ -78,29 +81,31 @@ class TestMonoBA(AppTest):
     def test_course_stop(self):
         free = self.run_json("--course-stop")
         self.assertEqual(len(free["iterations"]), 3)
-        self.assertEqual([six(free["points"][k]["opt"]) for k in (0, 1, 19)],
+        self.assertEqual([six(free["points"][k]["opt_per_m"]) for k in (0, 1, 19)],
                          ["0.220965", "0.234874", "0.146759"])
-        self.assertEqual([six(x) for x in free["poses"][2]["t"]],
+        self.assertEqual([six(x) for x in free["poses"][2]["t_m"]],
                          ["-4.00168", "6.92762", "0.866999"])
         fixed = self.run_json("--course-stop", "--fix", 2)
-        self.assertEqual([six(fixed["points"][k]["opt"]) for k in (0, 1, 19)],
+        self.assertEqual([six(fixed["points"][k]["opt_per_m"]) for k in (0, 1, 19)],
                          ["0.220908", "0.234388", "0.146536"])
-        self.assertEqual([six(x) for x in fixed["poses"][2]["t"]],
+        self.assertEqual([six(x) for x in fixed["poses"][2]["t_m"]],
                          ["-3.99859", "6.92912", "0.859659"])
         for k in (0, 1):
-            self.assertEqual(fixed["poses"][k]["t"], fixed["poses"][k]["gt"])
+            self.assertEqual(fixed["poses"][k]["t_m"], fixed["poses"][k]["gt_m"])
 
     def test_other_ways_to_the_same_optimum(self):
         for fix, chi in ((0, "9.85708e-05"), (2, "0.000113378")):
-            for args in (("--lm", "default"), ("--linear-solver", "pcg"),
-                         ("--lm", "default", "--linear-solver", "pcg")):
+            for args in (("--method", "lm"), ("--method", "nielsen"), ("--method", "dogleg"),
+                         ("--linear-solver", "pcg"), ("--linear-solver", "dense"),
+                         ("--linear-solver", "sparse"), ("--threads", 2),
+                         ("--method", "lm", "--linear-solver", "pcg")):
                 result = self.run_json("--fix", fix, *args)
-                self.assertEqual(six(result["converged_chi"]), chi, args)
+                self.assertEqual(six(2 * result["final_cost"]), chi, args)
                 self.assertTrue(result["status"].startswith("converged"), result["status"])
 
     def test_prior(self):
-        result = self.run_json("--prior-weight", "1e6", "--lm", "default")
-        error = sum(sum((a - b) ** 2 for a, b in zip(p["t"], p["gt"])) ** 0.5
+        result = self.run_json("--prior-weight", "1e6", "--method", "lm")
+        error = sum(sum((a - b) ** 2 for a, b in zip(p["t_m"], p["gt_m"])) ** 0.5
                     for p in result["poses"])
         self.assertAlmostEqual(error, 0.00674584, delta=1e-8)
 
@@ -115,7 +120,9 @@ class TestMonoBA(AppTest):
 
     def test_scene_file(self):
         frozen = ROOT / "data" / "course_scene.txt"
-        self.assertEqual(self.run_json("--scene", frozen), self.run_json())
+        read, built_in = self.run_json("--scene", frozen), self.run_json()
+        self.assertEqual((read.pop("file"), built_in.pop("file")), (str(frozen), None))
+        self.assertEqual(read, built_in)
         small = self.write("small.txt", """GLISSADE_COURSE_SCENE 1
 POSES 2
 POSE 0  0 0 0  0 0 0 1
@@ -127,20 +134,13 @@ END
 """)
         result = self.run_json("--scene", small, "--fix", 2)
         self.check_schema(result, poses=2, points=2)
-        self.assertAlmostEqual(result["points"][0]["opt"], 0.2, places=9)
-        self.assertAlmostEqual(result["points"][1]["opt"], 0.25, places=9)
+        self.assertAlmostEqual(result["points"][0]["opt_per_m"], 0.2, places=9)
+        self.assertAlmostEqual(result["points"][1]["opt_per_m"], 0.25, places=9)
 
     def test_refuses_options(self):
         for args, says in (
-                (("--fix", "-1"), "--fix"), (("--fix", "4"), "--fix"), (("--fix", "two"), "--fix"),
-                (("--fix", "1.5"), "--fix"), (("--fix",), "--fix"),
-                (("--prior-weight", "-1"), "--prior-weight"),
-                (("--prior-weight", "nan"), "--prior-weight"),
-                (("--prior-weight", "inf"), "--prior-weight"),
-                (("--prior-weight", "heavy"), "--prior-weight"),
-                (("--lm", "newton"), "--lm"), (("--linear-solver", "qr"), "--linear-solver"),
-                (("--iterations", "-1"), "--iterations"),
-                (("--iterations", "99999999999999"), "--iterations"),
+                (("--fix",), "--fix"), (("--method", "newton"), "--method"),
+                (("--linear-solver", "qr"), "--linear-solver"),
                 (("--no-such-option",), "--no-such-option"), (("file.txt",), "file.txt"),
                 (("--json",), "--json"), (("--json", "no/such/folder/a.json"), "--json"),
                 (("--json", "."), "--json")):
@@ -162,8 +162,17 @@ END
         self.check_refused("--scene", "missing.txt", says="missing.txt")
         self.check_refused("--scene", ".", says=".")
 
+    def test_numeric_options(self):
+        self.check_numeric_options()
+
+    def test_json_to_stdout(self):
+        self.check_json_on_stdout("--fix", 2)
+
+    def test_version(self):
+        self.check_version()
+
     def test_help(self):
-        self.check_help("--fix", "--prior-weight", "--lm", "--course-stop", "--iterations",
+        self.check_help("--fix", "--prior-weight", "--method", "--course-stop", "--iterations",
                         "--linear-solver", "--scene", "--verbose", "--json", "gauge")
 
 

@@ -8,10 +8,11 @@ import gzip
 import random
 import statistics
 
-from app_test_util import AppTest, data_folder, main
+from app_test_util import HEADER, AppTest, data_folder, main
 
-KEYS = {"windows", "median_ms", "min_ms", "p95_ms", "p99_ms", "max_ms", "build_ms", "linearize_ms",
-        "eliminate_ms", "solve_ms", "cost_ms", "allocations_per_solve", "accepted_steps", "isa",
+KEYS = HEADER | {"windows", "median_ms", "min_ms", "p95_ms", "p99_ms", "max_ms", "build_ms", "linearize_ms",
+        "eliminate_ms", "solve_ms", "cost_ms", "allocations_per_solve", "accepted_steps",
+        "rejected_steps", "windows_in_file", "imu", "method", "linear_solver", "threads",
         "mean_initial_cost", "mean_final_cost", "costs"}
 
 
@@ -45,6 +46,8 @@ def make_window(number=0, frames=4, landmarks=30, seed=5):
 
 class WindowSolve(AppTest):
     app = "window_solve"
+    numeric_options = {"--iterations": ("-1", "1.5"), "--threads": ("0", "-1", "1025"),
+                       "--repeat": ("0", "-1", "1000001"), "--tolerance": ("-1", "1")}
 
     def check(self, result, windows):
         self.assertEqual(set(result), KEYS)
@@ -59,7 +62,7 @@ class WindowSolve(AppTest):
         self.assertGreater(parts, 0)
         self.assertLess(parts, 1.5 * result["max_ms"])
         self.assertGreater(result["build_ms"], 0)
-        self.assertIn(result["isa"], ("baseline", "avx2", "avx512"))
+        self.assertEqual(result["windows_in_file"], windows)
 
     def small(self):
         return self.write("small.txt", "VIOWIN 1\n" + "".join(map(make_window, range(3))))
@@ -71,7 +74,7 @@ class WindowSolve(AppTest):
         out = self.run_ok(path)
         self.assertIn("3 windows, 3 solves each", out)
         # All roads lead to the same optimum.
-        for args in (("--damping", "nielsen"), ("--method", "dogleg"), ("--threads", 2)):
+        for args in (("--method", "nielsen"), ("--method", "dogleg"), ("--threads", 2)):
             other = self.run_json(path, "--iterations", 50, "--tolerance", "1e-10", *args)
             self.check(other, 3)
             for a, b in zip(result["costs"], other["costs"]):
@@ -95,15 +98,68 @@ class WindowSolve(AppTest):
     def test_refusals(self):
         path = self.small()
         for args, why in (((), "FILE"), ((path, "--method", "gn"), "--method"),
-                          ((path, "--damping", "x"), "--damping"), ((path, "--loss", "l1"), "--loss"),
-                          ((path, "--loss", "huber"), "--loss"), ((path, "--loss", "huber:-1"), "--loss"),
+                          ((path, "--linear-solver", "x"), "--linear-solver"),
+                          ((path, "--loss", "l1"), "--loss"), ((path, "--loss", "huber:"), "--loss"),
+                          ((path, "--loss", "huber:-1"), "--loss"),
                           ((path, "--loss", "huber:nan"), "--loss"),
-                          ((path, "--threads", 0), "--threads"), ((path, "--repeat", 0), "--repeat"),
-                          ((path, "--iterations", -1), "--iterations"),
-                          ((path, "--tolerance", "nan"), "--tolerance"),
+                          *(((path, "--gauge", g), "--gauge")
+                            for g in ("", "held", "prior", "prior:", "prior:0", "prior:-1", "prior:nan",
+                                      "prior:1e300", "free:1", "fixed:")),
+                          ((path, "--output", "no/such/folder/a.txt"), "--output"),
+                          ((path, "--output", "-"), "--output"),
+                          ((path, "--output", "same", "--json", "same"), "same"),
                           ((path, "--json", "no/such/folder/a.json"), "--json"),
                           (("absent.txt",), "absent.txt")):
             self.check_refused(*args, says=why)
+
+    def test_numeric_options(self):
+        self.check_numeric_options(self.small())
+
+    def test_linear_solvers(self):
+        self.check_linear_solvers(self.small(), "--iterations", 50, "--tolerance", "1e-12",
+                                  cost=lambda r: r["mean_final_cost"])
+
+    def test_gauges(self):
+        # The file's priors hold the gauge already; where they agree with the start, nothing moves.
+        free = self.run_json(self.small(), "--iterations", 50, "--tolerance", "1e-12")
+        held = self.run_json(self.small(), "--iterations", 50, "--tolerance", "1e-12", "--gauge",
+                             "fixed")
+        pulled = self.run_json(self.small(), "--iterations", 50, "--tolerance", "1e-12", "--gauge",
+                               "prior:1e12")
+        for a, b, c in zip(free["costs"], held["costs"], pulled["costs"]):
+            self.assertGreaterEqual(b, a * (1 - 1e-9))
+            self.assertAlmostEqual(b / c, 1, delta=1e-3)
+
+    def test_output_is_where_the_solve_ended(self):
+        for name in ("out.txt", "out.txt.gz"):
+            result = self.run_json(self.small(), "--output", name)
+            again = self.run_json(name, "--iterations", 0)
+            self.assertEqual(again["windows"], 3)
+            # What is summed first depends on where a solve begins: rounding.
+            for a, b in zip(again["costs"], result["costs"], strict=True):
+                self.assertAlmostEqual(a / b, 1, delta=1e-13)
+        # Whatever was solved how often: the result is that of one solve.
+        self.run_ok(self.small(), "--repeat", 1, "--output", "once.txt")
+        self.assertEqual((self.folder / "once.txt").read_bytes(),
+                         (self.folder / "out.txt").read_bytes())
+
+    def test_json_to_stdout(self):
+        self.check_json_on_stdout(self.small())
+
+    def test_interrupted_windows_and_output(self):
+        text = "VIOWIN 1\n" + "".join(make_window(k) for k in range(3))
+        path = self.write("long.txt", text)
+        _, result = self.check_interrupt(path, "--repeat", 1000000, "--output", "out.txt", after=None)
+        self.assertEqual(result["windows_in_file"], 3)
+        self.assertLess(result["windows"], 3)
+        self.assertGreater(result["windows"], 0)
+        costs = self.run_json("out.txt", "--iterations", 0)["costs"]
+        start = self.run_json(path, "--iterations", 0)["costs"]
+        for a, b in zip(costs, result["costs"] + start[result["windows"]:], strict=True):
+            self.assertAlmostEqual(a / b, 1, delta=1e-13)
+
+    def test_version(self):
+        self.check_version()
 
     def test_bad_files(self):
         good = "VIOWIN 1\n" + make_window()
@@ -119,7 +175,7 @@ class WindowSolve(AppTest):
             self.check_refused(path, says=why)
 
     def test_help(self):
-        self.check_help("FILE", "--imu", "--iterations", "--method", "--damping", "--loss",
+        self.check_help("FILE", "--imu", "--iterations", "--method", "--gauge", "--loss", "--output",
                         "--threads", "--repeat", "--tolerance", "--json")
 
     def test_published_windows(self):
