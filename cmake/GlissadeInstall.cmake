@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Each library has an export file of its own, so that find_package(glissade) asks a consumer for
-# zlib, bzip2 or Ceres only where the part that needs them is used.
+# zlib, bzip2 or Ceres only where the part that needs them is asked for.
 
 set(glissade_cmake_dir "${CMAKE_INSTALL_LIBDIR}/cmake/glissade")
 set(glissade_installed_parts)
@@ -27,7 +27,19 @@ if(EXISTS "${PROJECT_SOURCE_DIR}/include/glissade")
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/glissade"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
 endif()
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+# README.md names docs/ and examples/ beside it.
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md"
+              "${PROJECT_SOURCE_DIR}/CHANGELOG.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+foreach(folder IN ITEMS docs examples)
+  if(IS_DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}")
+    install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+  endif()
+endforeach()
+
+# Apps: those that have been built.
+if(GLISSADE_APPS)
+  install(TARGETS ${GLISSADE_APPS} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" OPTIONAL)
+endif()
 
 set(glissade_io_is_static TRUE)
 if(BUILD_SHARED_LIBS)

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Configures, builds and runs the consumer in SOURCE_DIR against the package installed in PREFIX,
-# with compiler CXX and FLAGS.
+# with compiler CXX and FLAGS; ARGUMENTS are further ones of cmake, with | between them.
 file(REMOVE_RECURSE "${WORK_DIR}")
+string(REPLACE "|" ";" ARGUMENTS "${ARGUMENTS}")
 
 function(step)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result)
@@ -17,6 +18,7 @@ endfunction()
 unset(ENV{CMAKE_CXX_COMPILER_LAUNCHER})
 unset(ENV{CXXFLAGS})
 step("${CMAKE_COMMAND}" -S "${SOURCE_DIR}" -B "${WORK_DIR}" -DCMAKE_BUILD_TYPE=Release
-     "-DCMAKE_PREFIX_PATH=${PREFIX}" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${FLAGS}")
+     "-DCMAKE_PREFIX_PATH=${PREFIX}" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${FLAGS}"
+     ${ARGUMENTS})
 step("${CMAKE_COMMAND}" --build "${WORK_DIR}" --config Release --verbose)
 step("${WORK_DIR}/consumer")
