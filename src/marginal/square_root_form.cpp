@@ -24,14 +24,13 @@ Status SquareRootForm::Run(MarginalSystem* system, const MarginalizeOptions& opt
                            std::vector<double>* jacobian) {
   // Column lengths are known to rounding times the number of operations on them.
   const int columns = system->going_dim() + system->staying_dim();
-  const double cut = options.relative_cut > 0.0
-                         ? std::sqrt(options.relative_cut)
-                         : 16.0 * (columns + 16) * std::numeric_limits<double>::epsilon();
+  rounding_ = 16.0 * (columns + 16) * std::numeric_limits<double>::epsilon();
+  const double cut = options.relative_cut > 0.0 ? std::sqrt(options.relative_cut) : rounding_;
   squared_rest_ = 0.0;
   if (Status status = EliminateLandmarks(system, cut, report); !status.ok()) return status;
   if (Status status = LinearizeOthers(system); !status.ok()) return status;
   StackRows(*system);
-  const int lost = stack_.Reduce(system->going_dim(), cut);
+  const int lost = stack_.Reduce(system->going_dim(), cut, rounding_);
   report->rank_deficiency += lost;
   for (const std::int32_t column : stack_.deficient()) {
     for (const std::int32_t k : system->dense_order()) {
@@ -147,7 +146,7 @@ void SquareRootForm::Compress() {
     put(waiting_begin_[Index(row)], waiting_.data() + Index(row) * stride);
   for (int row = 0; row < triangle_rows_; ++row)
     put(row, triangle_.data() + Index(row) * stride);
-  batch_.Reduce(0, 0.0);
+  batch_.Reduce(0, 0.0, rounding_);
   squared_rest_ += batch_.squared_rest();
   triangle_rows_ = batch_.result_end();
   triangle_.assign(batch_.Row(0), batch_.Row(triangle_rows_));

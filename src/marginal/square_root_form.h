@@ -45,6 +45,7 @@ class SquareRootForm {
   std::vector<std::int32_t> waiting_begin_, waiting_order_, count_;
   int waiting_rows_ = 0;
   double squared_rest_ = 0.0;
+  double rounding_ = 0.0;  ///< of a column's length
 
   StaircaseQr stack_;
   struct Source {

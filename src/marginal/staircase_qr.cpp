@@ -80,22 +80,33 @@ int EliminateColumns(int rows, int num_going, int num_columns, double* data, int
   return pivot;
 }
 
-int StaircaseQr::Reduce(int num_going, double relative_cut) {
+int StaircaseQr::Reduce(int num_going, double relative_cut, double rounding) {
   deficient_.clear();
+  length_.assign(Index(num_columns_), 0.0);
+  for (int row = 0; row < num_rows_; ++row) {
+    const double* const x = Row(row);
+    for (int c = begin_[Index(row)]; c < num_columns_; ++c)
+      length_[Index(c)] += x[c] * x[c];
+  }
   int begun = 0;
   while (begun < num_rows_ && begin_[Index(begun)] < num_going)
     ++begun;
   result_begin_ = EliminateColumns(begun, num_going, num_columns_, data_.data(), stride_,
                                    relative_cut, &scratch_, &deficient_);
   const auto& reflect = kernels::Kernels().householder_column;
+  const double rounding_squared = rounding * rounding;
   int pivot = result_begin_, active = pivot;
   for (int c = num_going; c < num_columns_; ++c) {
     while (active < num_rows_ && begin_[Index(active)] <= c)
       ++active;
     if (active == pivot) continue;
-    // A column of zeros has no row of its own; one of rounding errors has, and does no harm.
-    if (reflect(active - pivot, c, num_columns_ + 1, Row(pivot), stride_,
-                scratch_.reflector.data()) != 0.0) {
+    // Reflections keep the length of a column, so what is left of it says whether it depends on the
+    // columns before it. Then it has no row of its own, and what stands there is an error.
+    const double left = reflect(active - pivot, c, num_columns_ + 1, Row(pivot), stride_,
+                                scratch_.reflector.data());
+    if (left * left <= rounding_squared * length_[Index(c)]) {
+      Row(pivot)[c] = 0.0;
+    } else {
       ++pivot;
     }
   }

@@ -36,8 +36,10 @@ class StaircaseQr {
 
   /// Eliminates the first num_going columns with column pivoting; those that have nothing left
   /// above relative_cut times their own length are treated as zero. Then the other columns, in
-  /// order. Returns the number of going columns that were so treated; deficient() names them.
-  int Reduce(int num_going, double relative_cut);
+  /// order; one that has nothing left above `rounding` times its own length depends on those before
+  /// it and gets no row. Returns the number of going columns treated as zero; deficient() names
+  /// them.
+  int Reduce(int num_going, double relative_cut, double rounding);
 
   /// After Reduce: the rows of the result, upper trapezoidal over the columns after num_going.
   [[nodiscard]] int result_begin() const { return result_begin_; }
@@ -56,6 +58,7 @@ class StaircaseQr {
   double squared_rest_ = 0.0;
   std::vector<double> data_;
   std::vector<std::int32_t> begin_;
+  std::vector<double> length_;  // squared, of the columns
   QrScratch scratch_;
   std::vector<std::int32_t> deficient_;
 };

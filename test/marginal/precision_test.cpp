@@ -74,6 +74,7 @@ Loss Measure(double condition, std::uint64_t seed) {
   EXPECT_TRUE(graph.AddEdge(std::unique_ptr<DynamicEdge>(std::move(edge).value()), vertices).ok());
   const auto prior = ComputeMarginalPrior(graph, std::span(vertices).first(kGoing / 4));
   EXPECT_TRUE(prior.ok());
+  EXPECT_EQ(prior->rows(), kDim - kGoing) << "a badly scaled prior has lost rows";
   const Eigen::Map<const RowMajor> left(prior->jacobian.data(), prior->rows(), kDim - kGoing);
   const MatrixXl product = left.cast<long double>().transpose() * left.cast<long double>();
 
