@@ -147,7 +147,7 @@ app::Outcome Run(const Options& o) {
   }
   const std::chrono::duration<double> read = std::chrono::steady_clock::now() - start;
   std::optional<Graph> for_ceres;
-  if (o.compare_ceres) for_ceres = static_cast<const Graph&>(problem).Clone();
+  if (o.compare_ceres) for_ceres = static_cast<const Graph&>(problem).Clone().value();
 
   // The first line of the table says that the problem could be evaluated: nothing is printed
   // before.

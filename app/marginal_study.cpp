@@ -143,7 +143,7 @@ Status Matrices(const sim::ViProblem& data, const Settings& settings, nlohmann::
   Problem& problem = window.problem();
   // A point that is seen once has a direction of its own that nothing observes.
   for (const AnyVertex& vertex : problem.Vertices()) {
-    if (vertex.type != &kTypeInfo<VertexPointXYZ> || problem.EdgesOf(vertex).size() > 1) continue;
+    if (vertex.type != &kTypeInfo<VertexPointXYZ> || problem.EdgesOf(vertex)->size() > 1) continue;
     if (Status s = problem.RemoveVertex(vertex); !s.ok()) return s;
   }
   problem.Solve();

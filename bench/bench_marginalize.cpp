@@ -176,7 +176,7 @@ struct DenseSystem {
 DenseSystem FoldedSystem(const Graph& graph, const std::vector<AnyVertex>& out) {
   Problem folded(graph.Clone());
   for (const AnyEdge& edge : folded.Edges()) {
-    const auto vertices = folded.VerticesOf(edge);
+    const auto vertices = folded.VerticesOf(edge).value();
     const bool touched = std::any_of(vertices.begin(), vertices.end(), [&](AnyVertex v) {
       return std::find(out.begin(), out.end(), v) != out.end();
     });

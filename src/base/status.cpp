@@ -22,6 +22,10 @@ std::string_view ToString(StatusCode code) {
       return "edge between eliminated vertices";
     case StatusCode::kRepeatedVertex:
       return "repeated vertex";
+    case StatusCode::kUnderPrior:
+      return "under a marginal prior";
+    case StatusCode::kNothingToSolve:
+      return "nothing to solve";
     case StatusCode::kSingular:
       return "singular";
     case StatusCode::kEvaluationFailed:

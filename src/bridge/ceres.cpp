@@ -31,6 +31,7 @@ struct CeresProblem::Impl {
   std::vector<std::size_t> first_of_pool;  ///< index in vertices, by vertex pool
   std::vector<std::vector<ceres::ResidualBlockId>> residual_blocks;  ///< by edge pool, dense index
   ceres::Problem problem;
+  Status status;
 
   /// Index in vertices, or -1.
   [[nodiscard]] std::ptrdiff_t IndexOf(AnyVertex vertex) const {
@@ -38,7 +39,7 @@ struct CeresProblem::Impl {
     for (std::size_t p = 0; p < pools.size(); ++p) {
       if (pools[p]->ops().type != vertex.type) continue;
       const auto& slots = pools[p]->slots();
-      if (!slots.Contains(vertex.slot, vertex.generation)) return -1;
+      if (!slots.Contains(vertex)) return -1;
       return static_cast<std::ptrdiff_t>(first_of_pool[p]) + slots.IndexOf(vertex.slot);
     }
     return -1;
@@ -115,7 +116,9 @@ void CeresProblem::Impl::AddResidualBlocks() {
 
 CeresProblem Export(const Graph& graph) {
   auto impl = std::make_unique<CeresProblem::Impl>();
-  impl->graph = graph.Clone();
+  Result<Graph> copy = graph.Clone();
+  impl->status = copy.status();
+  impl->graph = std::move(copy).value();
   impl->graph.Compact();
   impl->CopyVertices();
   impl->AddParameterBlocks();
@@ -128,6 +131,9 @@ CeresProblem::CeresProblem(CeresProblem&&) noexcept = default;
 CeresProblem& CeresProblem::operator=(CeresProblem&&) noexcept = default;
 CeresProblem::~CeresProblem() = default;
 
+const Status& CeresProblem::status() const {
+  return impl_->status;
+}
 ceres::Problem& CeresProblem::problem() {
   return impl_->problem;
 }
@@ -185,6 +191,7 @@ std::shared_ptr<ceres::ParameterBlockOrdering> CeresProblem::MakeOrdering() cons
 
 Status ReadBack(const CeresProblem& exported, Graph* graph) {
   if (graph == nullptr) return {StatusCode::kInvalidArgument, "ReadBack: graph is null"};
+  if (!exported.status().ok()) return exported.status();
   for (const AnyVertex& vertex : exported.vertices()) {
     if (!graph->Contains(vertex)) {
       return {StatusCode::kUnknownHandle, "ReadBack: " + ToString(vertex) + " was removed since",
@@ -229,6 +236,10 @@ ceres::Solver::Summary SolveWithCeres(Graph* graph, ceres::Solver::Options optio
     return summary;
   }
   CeresProblem exported = Export(*graph);
+  if (!exported.status().ok()) {
+    summary.message = exported.status().message();
+    return summary;
+  }
   if (options.linear_solver_ordering == nullptr) {
     options.linear_solver_ordering = exported.MakeOrdering();
   }

@@ -60,7 +60,8 @@ Covariance::Covariance(Covariance&&) noexcept = default;
 Covariance& Covariance::operator=(Covariance&&) noexcept = default;
 
 const std::vector<AnyVertex>& Covariance::Uninformed() const {
-  return impl_->uninformed;
+  static const std::vector<AnyVertex> kNone;
+  return impl_ == nullptr ? kNone : impl_->uninformed;  // null: moved from
 }
 
 int JointCovariance::IndexOf(AnyVertex vertex) const {
@@ -289,6 +290,10 @@ Result<JointCovariance> Covariance::Joint(std::span<const AnyVertex> vertices) c
 
 Result<JointCovariance> ComputeCovariance(Graph* graph, std::span<const AnyVertex> vertices,
                                           const CovarianceOptions& options) {
+  for (const AnyVertex& vertex : vertices) {
+    if (graph->Contains(vertex)) continue;
+    return internal::About(graph->UnknownHandle(vertex), "Covariance");
+  }
   Covariance covariance;
   if (Status status = covariance.Compute(graph, options); !status.ok()) return status;
   return covariance.Joint(vertices);

@@ -151,7 +151,13 @@ Status EdgeMarginalPrior::Check(std::span<const VertexOps* const> vertices,
     return Status(StatusCode::kNotFinite,
                   std::string("EdgeMarginalPrior ") + what + " is not finite");
   };
-  if (not_finite(x0)) return refuse("x0");
+  const double* x = x0.data();
+  for (const VertexOps* ops : vertices) {
+    if (Status s = ops->validate(x); !s.ok()) {
+      return {s.code(), "EdgeMarginalPrior x0: " + s.message()};
+    }
+    x += ops->ambient_dim;
+  }
   if (not_finite(r0)) return refuse("r0");
   if (not_finite(jacobian)) return refuse("J");
   return {};

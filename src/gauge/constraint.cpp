@@ -36,9 +36,8 @@ Result<GaugeConstraint> GaugeConstraint::Of(const Gauge& gauge, const Orbit& orb
   GaugeConstraint out;
   out.group = orbit.group();
   std::copy_n(orbit.lever(), 3, out.lever);
-  const auto unknown = [](AnyVertex vertex) {
-    return Status(StatusCode::kUnknownHandle,
-                  "gauge: vertex " + ToString(vertex) + " is not in this graph", vertex);
+  const auto unknown = [&](AnyVertex vertex) {
+    return internal::About(graph.UnknownHandle(vertex), "gauge");
   };
   const VertexPose* anchor = graph.Find(gauge.anchor);
   if (anchor == nullptr) return unknown(gauge.anchor);
@@ -67,7 +66,8 @@ Result<GaugeConstraint> GaugeConstraint::Of(const Gauge& gauge, const Orbit& orb
       }
     });
   }
-  const VertexPose* other = graph.Find(VertexHandle<VertexPose>{second.slot, second.generation});
+  const VertexPose* other =
+      graph.Find(second.As<VertexPose>().value_or(VertexHandle<VertexPose>()));
   if (!second) return Refuse("no second camera to hold the scale", gauge.anchor);
   if (other == nullptr) return unknown(second);
   if (other == anchor) return Refuse("anchor and second camera are the same", second);

@@ -16,9 +16,7 @@ namespace {
 /// What Fixed holds, beside what the graph holds already.
 std::vector<FreeTangent> HoldsOf(const GaugeConstraint& constraint, const Graph& graph) {
   const GaugeReference& reference = constraint.reference;
-  const auto state = [&](AnyVertex vertex) {
-    return graph.Get(VertexHandle<VertexPose>{vertex.slot, vertex.generation}).pose;
-  };
+  const auto state = [&](AnyVertex vertex) { return graph.Get(*vertex.As<VertexPose>()).pose; };
   const Pose anchor = state(reference.anchor);
   std::vector<FreeTangent> holds;
   const Fix own = graph.GetFixed(reference.anchor);
@@ -48,8 +46,7 @@ Status GaugeGuard::Begin(const Gauge& gauge, Graph* graph) {
     std::vector<FreeTangent> holds;
     for (const AnyVertex vertex : {AnyVertex(gauge.anchor), AnyVertex(gauge.second)}) {
       if (!graph->Contains(vertex)) {
-        return {StatusCode::kUnknownHandle,
-                "gauge: vertex " + ToString(vertex) + " is not in this graph", vertex};
+        return internal::About(graph->UnknownHandle(vertex), "gauge");
       }
       if (graph->GetFixed(vertex) == Fix::kWhole) continue;
       FreeTangent whole;

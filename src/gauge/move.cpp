@@ -123,11 +123,12 @@ Status Move(Graph* graph, const OrbitMotion& g, const Orbit& orbit, const MoveOp
 
 Status MoveAlongOrbit(Graph* graph, const OrbitMotion& g, const MoveOptions& options) {
   const Result<Orbit> orbit = Orbit::Of(*graph, options.group);
-  if (!orbit.ok()) return orbit.status();
-  return Move(graph, g, orbit.value(), options);
+  return graph->Refused(orbit.ok() ? Move(graph, g, orbit.value(), options) : orbit.status());
 }
 
-Status MoveToGauge(Graph* graph, const Gauge& gauge, const MoveOptions& options) {
+namespace {
+
+Status MoveIntoGauge(Graph* graph, const Gauge& gauge, const MoveOptions& options) {
   if (gauge.kind == Gauge::Kind::kFree) return {};
   if (gauge.kind == Gauge::Kind::kFixedPoses) {
     return {StatusCode::kInvalidArgument, "MoveToGauge: two whole poses are no gauge"};
@@ -137,15 +138,19 @@ Status MoveToGauge(Graph* graph, const Gauge& gauge, const MoveOptions& options)
   if (!orbit.ok()) return orbit.status();
   const Result<GaugeConstraint> constraint = GaugeConstraint::Of(gauge, orbit.value(), *graph);
   if (!constraint.ok()) return constraint.status();
-  const auto state = [&](AnyVertex vertex) {
-    return graph->Get(VertexHandle<VertexPose>{vertex.slot, vertex.generation}).pose;
-  };
+  const auto state = [&](AnyVertex vertex) { return graph->Get(*vertex.As<VertexPose>()).pose; };
   const Pose anchor = state(constraint->reference.anchor);
   const Pose second = constraint->HasSecond() ? state(constraint->reference.second) : Pose();
   const OrbitMotion g = constraint->MotionTo(anchor.data, second.data);
   if (Status status = Move(graph, g, orbit.value(), options); !status.ok()) return status;
   Remember(constraint->reference, graph);
   return {};
+}
+
+}  // namespace
+
+Status MoveToGauge(Graph* graph, const Gauge& gauge, const MoveOptions& options) {
+  return graph->Refused(MoveIntoGauge(graph, gauge, options));
 }
 
 }  // namespace glissade

@@ -60,8 +60,7 @@ Status PriorMover::MoveAbsolute(const OrbitMotion& g, State&& state, std::vector
   auto* pool = static_cast<EdgePool<E>*>(graph_->EdgePoolOf(&kTypeInfo<E>));
   for (int k = 0; pool != nullptr && k < pool->size(); ++k) {
     if (!pool->Alive(k) || !orbit_.Moves(pool->VertexOf(k, 0))) continue;
-    const AnyEdge any = pool->HandleAt(k);
-    const EdgeHandle<E> handle{any.slot, any.generation};
+    const EdgeHandle<E> handle = *pool->HandleAt(k).template As<E>();
     kept->push_back({handle, pool->At(k), SquareMatrix<kDim>(pool->sqrt_information(k))});
     // Residuals are turned and scaled in their first three rows; the weight takes that back.
     SquareMatrix<kDim> sqrt = kept->back().sqrt;
@@ -81,7 +80,8 @@ Status PriorMover::Move(const OrbitMotion& g, bool absolute) {
     if (!pool->Alive(k)) continue;
     auto* prior = dynamic_cast<EdgeMarginalPrior*>(&pool->At(k));
     if (prior == nullptr) continue;
-    const Status status = MoveMarginal(g, prior, graph_->VerticesOf(pool->HandleAt(k)));
+    const Result<std::vector<AnyVertex>> vertices = graph_->VerticesOf(pool->HandleAt(k));
+    const Status status = MoveMarginal(g, prior, vertices.value());
     if (!status.ok()) return status;
   }
   if (!absolute) return {};

@@ -10,8 +10,8 @@ namespace glissade {
 
 EdgeHandle<DynamicEdge> DynamicEdgePool::Add(std::unique_ptr<DynamicEdge> edge,
                                              std::span<const Vertex> vertices, const Loss& loss,
-                                             std::uint64_t stamp) {
-  const auto address = slots_.Add(stamp);
+                                             std::uint64_t stamp, std::uint32_t graph) {
+  const auto address = slots_.Add(stamp, graph);
   if (spare_.empty()) {
     items_.emplace_back();
   } else {
@@ -23,7 +23,7 @@ EdgeHandle<DynamicEdge> DynamicEdgePool::Add(std::unique_ptr<DynamicEdge> edge,
   item.vertices.assign(vertices.begin(), vertices.end());
   PrepareItem(&item);
   loss_of_edge_.push_back(FindOrAddLoss(loss));
-  return {address.slot, address.generation};
+  return {address.slot, address.generation, graph};
 }
 
 void DynamicEdgePool::PrepareItem(Entry* item) const {
@@ -127,7 +127,7 @@ void DynamicEdgePool::Compact() {
 }
 
 std::unique_ptr<EdgePoolBase> DynamicEdgePool::Clone(
-    const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools) const {
+    const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools, AnyEdge* failed) const {
   auto copy = std::make_unique<DynamicEdgePool>();
   copy->slots_ = slots_;
   copy->losses_ = losses_;
@@ -135,12 +135,19 @@ std::unique_ptr<EdgePoolBase> DynamicEdgePool::Clone(
   copy->items_.resize(items_.size());
   for (std::size_t k = 0; k < items_.size(); ++k) {
     Entry& item = copy->items_[k];
-    item.edge = items_[k].edge->Clone();
     item.vertices = items_[k].vertices;
     for (Vertex& vertex : item.vertices) {
       for (const auto& pool : vertex_pools) {
         if (pool->ops().type == vertex.pool->ops().type) vertex.pool = pool.get();
       }
+    }
+    // What has been removed has no edge left to copy; the next Compact() closes its gap.
+    const int edge = static_cast<int>(k);
+    if (!Alive(edge)) continue;
+    item.edge = items_[k].edge->Clone();
+    if (item.edge == nullptr) {
+      *failed = HandleAt(edge);
+      return nullptr;
     }
     copy->PrepareItem(&item);
   }

@@ -152,18 +152,17 @@ std::span<const double> Graph::LinearizationPoint(AnyVertex vertex) const {
 
 Status Graph::SetFirstEstimate(AnyVertex vertex, std::span<const double> x_lin) {
   const VertexSite site = Locate(vertex);
-  if (site.pool == nullptr) {
-    return {StatusCode::kUnknownHandle, "vertex " + ToString(vertex) + " is not in this graph",
-            vertex};
-  }
+  if (site.pool == nullptr) return Refused(UnknownHandle(vertex));
   if (x_lin.size() != static_cast<std::size_t>(site.pool->ops().ambient_dim)) {
-    return {StatusCode::kInvalidArgument,
-            "SetFirstEstimate: " + ToString(vertex) + " has another number of coordinates", vertex};
+    return Refused({StatusCode::kInvalidArgument,
+                    "SetFirstEstimate: " + ToString(vertex) + " has another number of coordinates",
+                    vertex});
   }
-  if (!internal::AllFinite(x_lin.data(), static_cast<int>(x_lin.size()))) {
-    return {StatusCode::kNotFinite,
-            "SetFirstEstimate: linearization point of " + ToString(vertex) + " is not finite",
-            vertex};
+  if (Status status = site.pool->ops().validate(x_lin.data()); !status.ok()) {
+    return Refused(
+        {status.code(),
+         "SetFirstEstimate: linearization point of " + ToString(vertex) + ": " + status.message(),
+         vertex});
   }
   EnterFirstEstimate(site, x_lin.data());
   return {};
@@ -184,7 +183,7 @@ void Graph::EnterFirstEstimates(const DynamicEdge& edge, std::span<const AnyVert
   }
 }
 
-bool Graph::HasPriorOn(const VertexPoolBase& pool, int index) const {
+AnyEdge Graph::PriorOn(const VertexPoolBase& pool, int index) const {
   const EdgePoolBase* edges = EdgePoolOf(&kTypeInfo<DynamicEdge>);
   for (int edge = 0; edges != nullptr && edge < edges->size(); ++edge) {
     if (!edges->Alive(edge) ||
@@ -194,74 +193,20 @@ bool Graph::HasPriorOn(const VertexPoolBase& pool, int index) const {
     for (int i = 0; i < edges->arity(edge); ++i) {
       if (edges->vertex_pool(edge, i) == &pool &&
           pool.slots().IndexOf(edges->vertex_address(edge, i).slot) == index) {
-        return true;
+        return edges->HandleAt(edge);
       }
     }
   }
-  return false;
+  return {};
 }
 
 void Graph::DropOrphanedFirstEstimates() {
   for (const auto& pool : vertex_pools_) {
     for (int k = 0; k < pool->size() && !pool->first_estimates().empty(); ++k) {
-      if (pool->first_estimates().At(k) != nullptr && !HasPriorOn(*pool, k)) {
+      if (pool->first_estimates().At(k) != nullptr && !PriorOn(*pool, k)) {
         pool->DropFirstEstimate(k);
       }
     }
-  }
-}
-
-void Graph::AddFirstEstimatesTo(Snapshot* snapshot) const {
-  for (const auto& pool : vertex_pools_) {
-    for (int k = 0; k < pool->size(); ++k) {
-      const double* x = pool->first_estimates().At(k);
-      if (x == nullptr) continue;
-      snapshot->first_estimate_vertices.push_back(pool->HandleAt(k));
-      snapshot->first_estimates.insert(snapshot->first_estimates.end(), x,
-                                       x + pool->ops().ambient_dim);
-    }
-  }
-}
-
-Status Graph::CheckFirstEstimates(const Snapshot& snapshot) const {
-  std::size_t size = 0;
-  for (const AnyVertex& vertex : snapshot.first_estimate_vertices) {
-    const VertexSite site = Locate(vertex);
-    if (site.pool == nullptr) {
-      return {StatusCode::kInvalidArgument,
-              "RestoreSnapshot: a linearization point of a vertex that is not in the graph",
-              vertex};
-    }
-    size += static_cast<std::size_t>(site.pool->ops().ambient_dim);
-  }
-  if (size != snapshot.first_estimates.size()) {
-    return {StatusCode::kInvalidArgument,
-            "RestoreSnapshot: linearization points of another number of coordinates"};
-  }
-  return ValidateFinite(snapshot.first_estimates.data(), static_cast<int>(size),
-                        "linearization points of a snapshot");
-}
-
-void Graph::RestoreFirstEstimates(const Snapshot& snapshot) {
-  const double* x = snapshot.first_estimates.data();
-  int same = 0, present = 0;
-  for (const auto& pool : vertex_pools_)
-    present += pool->first_estimates().count();
-  for (const AnyVertex& vertex : snapshot.first_estimate_vertices) {
-    const VertexSite site = Locate(vertex);
-    if (site.pool->first_estimates().At(site.index) != nullptr) ++same;
-  }
-  if (same != present || present != static_cast<int>(snapshot.first_estimate_vertices.size())) {
-    for (const auto& pool : vertex_pools_) {
-      for (int k = 0; k < pool->size(); ++k)
-        pool->DropFirstEstimate(k);
-    }
-    StructureChanged();
-  }
-  for (const AnyVertex& vertex : snapshot.first_estimate_vertices) {
-    const VertexSite site = Locate(vertex);
-    site.pool->SetFirstEstimate(site.index, x);
-    x += site.pool->ops().ambient_dim;
   }
 }
 

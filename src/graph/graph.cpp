@@ -17,22 +17,15 @@ namespace internal {
 Status About(const Status& status, std::string_view subject) {
   if (status.ok()) return status;
   std::string message = std::string(subject) + ": " + status.message();
-  if (status.edge()) return {status.code(), std::move(message), status.edge(), status.other_edge()};
-  return {status.code(), std::move(message), status.vertex()};
+  if (status.other_edge()) {
+    return {status.code(), std::move(message), status.edge(), status.other_edge()};
+  }
+  return {status.code(), std::move(message), status.vertex(), status.edge()};
 }
 
 }  // namespace internal
 
 namespace {
-
-Status UnknownVertex(AnyVertex vertex) {
-  return {StatusCode::kUnknownHandle, "vertex " + ToString(vertex) + " is not in this graph",
-          vertex};
-}
-
-Status UnknownEdge(AnyEdge edge) {
-  return {StatusCode::kUnknownHandle, "edge " + ToString(edge) + " is not in this graph", edge};
-}
 
 /// Only ever compared for equality, so that nothing depends on how many graphs there were before.
 std::uint64_t NewIdentity() {
@@ -56,6 +49,15 @@ void SortByAge(std::vector<std::unique_ptr<Pool>>* pools) {
 
 Graph::Graph() : identity_(NewIdentity()) {}
 
+// One for every graph that something is added to: as for versions, none depends on its value.
+std::uint32_t Graph::NewId() {
+  static std::atomic<std::uint32_t> last{0};
+  std::uint32_t id = ++last;
+  while (id == 0)
+    id = ++last;
+  return id;
+}
+
 Graph::Graph(Graph&& other) noexcept : Graph() {
   *this = std::move(other);
 }
@@ -72,6 +74,8 @@ Graph& Graph::operator=(Graph&& other) noexcept {
   structure_version_ = other.structure_version_;
   weights_version_ = other.weights_version_;
   identity_ = std::exchange(other.identity_, NewIdentity());
+  id_ = std::exchange(other.id_, 0);
+  first_refusal_ = std::exchange(other.first_refusal_, {});
   return *this;
 }
 
@@ -91,13 +95,13 @@ EdgePoolBase* Graph::EdgePoolOf(const TypeInfo* type) const {
 
 Graph::VertexSite Graph::Locate(AnyVertex vertex) const {
   VertexPoolBase* pool = vertex.type == nullptr ? nullptr : PoolOf(vertex.type);
-  if (pool == nullptr || !pool->slots().Contains(vertex.slot, vertex.generation)) return {};
+  if (pool == nullptr || !pool->slots().Contains(vertex)) return {};
   return {pool, pool->slots().IndexOf(vertex.slot)};
 }
 
 Graph::EdgeSite Graph::Locate(AnyEdge edge) const {
   EdgePoolBase* pool = edge.type == nullptr ? nullptr : EdgePoolOf(edge.type);
-  if (pool == nullptr || !pool->slots().Contains(edge.slot, edge.generation)) return {};
+  if (pool == nullptr || !pool->slots().Contains(edge)) return {};
   const int index = pool->slots().IndexOf(edge.slot);
   if (!pool->Alive(index)) return {};
   return {pool, index};
@@ -116,7 +120,7 @@ Status Graph::CheckEdgeVertices(std::span<const AnyVertex> vertices,
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const VertexSite site = Locate(vertices[i]);
     if (site.pool == nullptr) {
-      return internal::About(UnknownVertex(vertices[i]), edge_name);
+      return internal::About(UnknownHandle(vertices[i]), edge_name);
     }
     for (std::size_t j = 0; j < i; ++j) {
       if (vertices[i] == vertices[j]) {
@@ -135,32 +139,43 @@ Status Graph::CheckEdgeVertices(std::span<const AnyVertex> vertices,
   return {};
 }
 
-Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge,
-                                               std::span<const AnyVertex> vertices, Loss loss) {
-  if (edge == nullptr) return Status(StatusCode::kInvalidArgument, "dynamic edge is null");
-  if (vertices.empty())
-    return Status(StatusCode::kInvalidArgument, "dynamic edge without vertices");
+Status Graph::CheckDynamicEdge(const DynamicEdge* edge, std::span<const AnyVertex> vertices,
+                               const Loss& loss) {
+  if (edge == nullptr) return {StatusCode::kInvalidArgument, "dynamic edge is null"};
+  if (vertices.empty()) return {StatusCode::kInvalidArgument, "dynamic edge without vertices"};
   if (Status status = CheckEdgeVertices(vertices, "dynamic edge"); !status.ok()) return status;
-  std::vector<const VertexOps*>& ops = added_ops_;
-  std::vector<DynamicEdgePool::Vertex>& sites = added_vertices_;
-  ops.clear();
-  sites.clear();
+  added_ops_.clear();
+  added_vertices_.clear();
   for (const AnyVertex& vertex : vertices) {
     const VertexSite site = Locate(vertex);
-    ops.push_back(&site.pool->ops());
-    sites.push_back({site.pool, {vertex.slot, vertex.generation}});
+    added_ops_.push_back(&site.pool->ops());
+    added_vertices_.push_back({site.pool, {vertex.slot, vertex.generation}});
   }
-  if (Status status = edge->CheckVertices(ops); !status.ok()) {
+  if (Status status = edge->CheckVertices(added_ops_); !status.ok()) {
     return internal::About(status, "dynamic edge");
   }
   if (edge->ResidualDim() < 1) {
-    return Status(StatusCode::kInvalidArgument, "dynamic edge without residuals");
+    return {StatusCode::kInvalidArgument, "dynamic edge without residuals"};
   }
   if (!loss.trivial() && edge->ConstantHessian() != nullptr) {
-    return Status(StatusCode::kInvalidArgument,
-                  "a dynamic edge with a constant Hessian cannot have a robust loss");
+    return {StatusCode::kInvalidArgument,
+            "a dynamic edge with a constant Hessian cannot have a robust loss"};
   }
-  if (Status status = loss.Validate(); !status.ok()) return status;
+  const double* x0 = edge->LinearizationPoint();
+  for (std::size_t i = 0; x0 != nullptr && i < vertices.size(); ++i) {
+    if (Status status = added_ops_[i]->validate(x0); !status.ok()) {
+      return internal::About(status, "dynamic edge: linearization point");
+    }
+    x0 += added_ops_[i]->ambient_dim;
+  }
+  return loss.Validate();
+}
+
+Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge,
+                                               std::span<const AnyVertex> vertices, Loss loss) {
+  if (Status status = CheckDynamicEdge(edge.get(), vertices, loss); !status.ok()) {
+    return Refused(std::move(status));
+  }
   auto* pool = static_cast<DynamicEdgePool*>(EdgePoolOf(&kTypeInfo<DynamicEdge>));
   if (pool == nullptr) {
     edge_pools_.push_back(std::make_unique<DynamicEdgePool>());
@@ -168,25 +183,39 @@ Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge
   }
   StructureChanged();
   EnterFirstEstimates(*edge, vertices);
-  return pool->Add(std::move(edge), sites, loss, structure_version_);
+  return pool->Add(std::move(edge), added_vertices_, loss, structure_version_, Id());
 }
 
-Status Graph::RemoveVertex(AnyVertex vertex) {
+Status Graph::RemoveVertex(AnyVertex vertex, PriorOnVertex prior) {
+  return Refused(RemoveVertexChecked(vertex, prior));
+}
+
+Status Graph::RemoveVertexChecked(AnyVertex vertex, PriorOnVertex on_prior) {
   const VertexSite site = Locate(vertex);
-  if (site.pool == nullptr) return UnknownVertex(vertex);
+  if (site.pool == nullptr) return UnknownHandle(vertex);
+  // Every vertex under a prior has a first estimate: the others need no search.
+  const bool has_estimate = site.pool->first_estimates().At(site.index) != nullptr;
+  if (has_estimate && on_prior == PriorOnVertex::kRefuse) {
+    if (const AnyEdge prior = PriorOn(*site.pool, site.index)) {
+      return {StatusCode::kUnderPrior,
+              "RemoveVertex: " + ToString(vertex) + " is under the marginal prior " +
+                  ToString(prior) + ", which would go too: Marginalize() keeps what it says of " +
+                  "others, PriorOnVertex::kRemove gives it up",
+              vertex, prior};
+    }
+  }
   DropFreeTangent(vertex);
   DropGaugeReference(vertex);
-  const bool under_prior = site.pool->first_estimates().At(site.index) != nullptr;
   // Connected edges are dead from here on (EdgePoolBase::Alive) and go at the next Compact().
   site.pool->Remove(vertex.slot);
-  if (under_prior) DropOrphanedFirstEstimates();
+  if (has_estimate) DropOrphanedFirstEstimates();
   StructureChanged();
   return {};
 }
 
 Status Graph::RemoveEdge(AnyEdge edge) {
   const EdgeSite site = Locate(edge);
-  if (site.pool == nullptr) return UnknownEdge(edge);
+  if (site.pool == nullptr) return Refused(UnknownHandle(edge));
   site.pool->Remove(edge.slot);
   if (edge.type == &kTypeInfo<DynamicEdge>) DropOrphanedFirstEstimates();
   StructureChanged();
@@ -202,25 +231,43 @@ void Graph::Reanchor(AnyVertex vertex) {
   for (FreeTangent& tangent : free_tangents_) {
     if (tangent.vertex != vertex) continue;
     const VertexSite site = Locate(vertex);
-    tangent = FreeTangent::At(vertex, tangent.fix, site.pool->Data(site.index));
+    const double* state = site.pool->Data(site.index);
+    if (tangent.fix == Fix::kCoordinate) {
+      tangent.UpdateBasis(state);
+    } else {
+      tangent = FreeTangent::At(vertex, tangent.fix, state);
+    }
   }
+}
+
+Status Graph::CheckFixed(const VertexSite& site, AnyVertex vertex, Fix fix) const {
+  if (site.pool == nullptr) return UnknownHandle(vertex);
+  switch (fix) {
+    case Fix::kFree:
+    case Fix::kWhole:
+      return {};
+    case Fix::kBiases:
+      if (vertex.type == &kTypeInfo<VertexSpeedBias>) return {};
+      return {StatusCode::kInvalidArgument,
+              "SetFixed: only a VertexSpeedBias has biases, not " + ToString(vertex), vertex};
+    case Fix::kPosition:
+    case Fix::kPositionAndYaw:
+      if (vertex.type == &kTypeInfo<VertexPose>) return {};
+      return {StatusCode::kInvalidArgument,
+              "SetFixed: only a VertexPose can be fixed in part, not " + ToString(vertex), vertex};
+    case Fix::kCoordinate:
+      return {StatusCode::kInvalidArgument, "SetFixed: kCoordinate is for gauges", vertex};
+  }
+  return {StatusCode::kInvalidArgument,
+          "SetFixed: " + std::to_string(static_cast<int>(fix)) + " is no Fix", vertex};
 }
 
 Status Graph::SetFixed(AnyVertex vertex, Fix fix) {
   const VertexSite site = Locate(vertex);
-  if (site.pool == nullptr) return UnknownVertex(vertex);
+  if (Status status = CheckFixed(site, vertex, fix); !status.ok()) {
+    return Refused(std::move(status));
+  }
   const bool partial = fix != Fix::kFree && fix != Fix::kWhole;
-  if (fix == Fix::kCoordinate) {
-    return {StatusCode::kInvalidArgument, "SetFixed: kCoordinate is for gauges", vertex};
-  }
-  if (fix == Fix::kBiases && vertex.type != &kTypeInfo<VertexSpeedBias>) {
-    return {StatusCode::kInvalidArgument,
-            "SetFixed: only a VertexSpeedBias has biases, not " + ToString(vertex), vertex};
-  }
-  if (partial && fix != Fix::kBiases && vertex.type != &kTypeInfo<VertexPose>) {
-    return {StatusCode::kInvalidArgument,
-            "SetFixed: only a VertexPose can be fixed in part, not " + ToString(vertex), vertex};
-  }
   if (site.pool->fix(site.index) == fix && !partial) return {};
   DropFreeTangent(vertex);
   if (partial) {
@@ -236,35 +283,44 @@ Fix Graph::GetFixed(AnyVertex vertex) const {
   return site.pool == nullptr ? Fix::kFree : site.pool->fix(site.index);
 }
 
-Status Graph::SetEliminated(AnyVertex vertex, bool eliminated) {
-  const VertexSite site = Locate(vertex);
-  if (site.pool == nullptr) return UnknownVertex(vertex);
-  if (eliminated && site.pool->ops().tangent_dim > 4) {
+Status Graph::CheckEliminated(const VertexSite& site, AnyVertex vertex) const {
+  if (site.pool->ops().tangent_dim > 4) {
     return {StatusCode::kInvalidArgument,
             "SetEliminated: " + ToString(vertex) + " has more than 4 tangent dimensions", vertex};
   }
-  if (site.pool->eliminated(site.index) == eliminated) return {};
-  if (eliminated) {
-    for (const AnyEdge& edge : EdgesOf(vertex)) {
-      for (const AnyVertex& other : VerticesOf(edge)) {
-        const VertexSite other_site = Locate(other);
-        if (other != vertex && other_site.pool->eliminated(other_site.index)) {
-          return {StatusCode::kEliminatedPair,
-                  "SetEliminated: " + ToString(edge) + " joins " + ToString(vertex) +
-                      " to the eliminated " + ToString(other),
-                  edge};
-        }
-      }
+  if (site.pool->eliminated(site.index)) return {};
+  const Result<std::vector<AnyEdge>> edges = EdgesOf(vertex);
+  for (const AnyEdge& edge : edges.value()) {
+    const Result<std::vector<AnyVertex>> vertices = VerticesOf(edge);
+    for (const AnyVertex& other : vertices.value()) {
+      const VertexSite other_site = Locate(other);
+      if (other == vertex || !other_site.pool->eliminated(other_site.index)) continue;
+      return {StatusCode::kEliminatedPair,
+              "SetEliminated: " + ToString(edge) + " joins " + ToString(vertex) +
+                  " to the eliminated " + ToString(other),
+              edge};
     }
   }
+  return {};
+}
+
+Status Graph::SetEliminated(AnyVertex vertex, bool eliminated) {
+  const VertexSite site = Locate(vertex);
+  if (site.pool == nullptr) return Refused(UnknownHandle(vertex));
+  if (eliminated) {
+    if (Status status = CheckEliminated(site, vertex); !status.ok()) {
+      return Refused(std::move(status));
+    }
+  }
+  if (site.pool->eliminated(site.index) == eliminated) return {};
   site.pool->set_eliminated(site.index, eliminated);
   StructureChanged();
   return {};
 }
 
-Status Graph::SetLoss(AnyEdge edge, const Loss& loss) {
+Status Graph::CheckLoss(AnyEdge edge, const Loss& loss) const {
   const EdgeSite site = Locate(edge);
-  if (site.pool == nullptr) return UnknownEdge(edge);
+  if (site.pool == nullptr) return UnknownHandle(edge);
   if (Status status = loss.Validate(); !status.ok()) {
     return {status.code(), status.message(), edge};
   }
@@ -273,6 +329,12 @@ Status Graph::SetLoss(AnyEdge edge, const Loss& loss) {
     return {StatusCode::kInvalidArgument,
             "a dynamic edge with a constant Hessian cannot have a robust loss", edge};
   }
+  return {};
+}
+
+Status Graph::SetLoss(AnyEdge edge, const Loss& loss) {
+  if (Status status = CheckLoss(edge, loss); !status.ok()) return Refused(std::move(status));
+  const EdgeSite site = Locate(edge);
   // Another kind of loss may send the edge another way (structure/reprojection_plan.h).
   if (site.pool->loss(site.index).type() != loss.type()) StructureChanged();
   site.pool->set_loss(site.index, loss);
@@ -310,17 +372,22 @@ void Graph::RestoreStates() {
   free_tangents_ = saved_free_tangents_;
 }
 
-Graph Graph::Clone() const {
+Result<Graph> Graph::Clone() const {
   Graph copy;
   for (const auto& pool : vertex_pools_)
     copy.vertex_pools_.push_back(pool->Clone());
   for (const auto& pool : edge_pools_) {
-    copy.edge_pools_.push_back(pool->Clone(copy.vertex_pools_));
+    AnyEdge failed;
+    copy.edge_pools_.push_back(pool->Clone(copy.vertex_pools_, &failed));
+    if (copy.edge_pools_.back() != nullptr) continue;
+    return Status(StatusCode::kInvalidArgument,
+                  "Clone: the Clone() of edge " + ToString(failed) + " returned null", failed);
   }
   copy.free_tangents_ = free_tangents_;
   copy.first_estimates_ = first_estimates_;
   copy.gauge_references_ = gauge_references_;
   copy.structure_version_ = structure_version_;
+  copy.first_refusal_ = first_refusal_;
   return copy;
 }
 

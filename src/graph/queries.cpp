@@ -60,16 +60,17 @@ std::vector<AnyEdge> Graph::Edges() const {
   return edges;
 }
 
-std::vector<AnyVertex> Graph::VerticesOf(AnyEdge edge) const {
+Result<std::vector<AnyVertex>> Graph::VerticesOf(AnyEdge edge) const {
   const EdgeSite site = Locate(edge);
+  if (site.pool == nullptr) return UnknownHandle(edge);
   std::vector<AnyVertex> vertices;
-  for (int i = 0; site.pool != nullptr && i < site.pool->arity(site.index); ++i) {
+  for (int i = 0; i < site.pool->arity(site.index); ++i)
     vertices.push_back(site.pool->VertexOf(site.index, i));
-  }
   return vertices;
 }
 
-std::vector<AnyEdge> Graph::EdgesOf(AnyVertex vertex) const {
+Result<std::vector<AnyEdge>> Graph::EdgesOf(AnyVertex vertex) const {
+  if (!Contains(vertex)) return UnknownHandle(vertex);
   std::vector<AnyEdge> edges;
   (void)ForEachLiveEdge(edge_pools_, [&](const EdgePoolBase& pool, int edge) {
     for (int i = 0; i < pool.arity(edge); ++i) {
@@ -85,10 +86,7 @@ std::vector<AnyEdge> Graph::EdgesOf(AnyVertex vertex) const {
 
 Result<double> Graph::Chi2(AnyEdge edge) const {
   const EdgeSite site = Locate(edge);
-  if (site.pool == nullptr) {
-    return Status(StatusCode::kUnknownHandle, "edge " + ToString(edge) + " is not in this graph",
-                  edge);
-  }
+  if (site.pool == nullptr) return UnknownHandle(edge);
   const double s = site.pool->Chi2(site.index);
   if (!std::isfinite(s)) return NoValue(*site.pool, site.index);
   return s;
@@ -119,10 +117,7 @@ Result<double> Graph::Cost() const {
 
 Result<double> Graph::DepthOf(AnyEdge edge) const {
   const EdgeSite site = Locate(edge);
-  if (site.pool == nullptr) {
-    return Status(StatusCode::kUnknownHandle, "edge " + ToString(edge) + " is not in this graph",
-                  edge);
-  }
+  if (site.pool == nullptr) return UnknownHandle(edge);
   double depth = 0.0;
   if (!site.pool->Depth(site.index, &depth)) {
     return Status(StatusCode::kInvalidArgument, "edge " + ToString(edge) + " observes no depth",
@@ -143,65 +138,6 @@ std::vector<AnyEdge> Graph::GetOutlierEdges(const OutlierOptions& options) const
     return Status();
   });
   return outliers;
-}
-
-Snapshot Graph::GetSnapshot() const {
-  Snapshot snapshot;
-  snapshot.vertices = Vertices();
-  for (const AnyVertex& vertex : snapshot.vertices) {
-    const VertexSite site = Locate(vertex);
-    const double* data = site.pool->Data(site.index);
-    snapshot.states.insert(snapshot.states.end(), data, data + site.pool->ops().ambient_dim);
-  }
-  snapshot.free_tangents = free_tangents_;
-  AddFirstEstimatesTo(&snapshot);
-  return snapshot;
-}
-
-Status Graph::RestoreSnapshot(const Snapshot& snapshot) {
-  // A snapshot is plain numbers that may come from anywhere: check before touching anything.
-  std::size_t size = 0;
-  bool fits = static_cast<int>(snapshot.vertices.size()) == NumVertices();
-  for (std::size_t k = 0; fits && k < snapshot.vertices.size(); ++k) {
-    const VertexSite site = Locate(snapshot.vertices[k]);
-    fits = site.pool != nullptr;
-    if (fits) size += static_cast<std::size_t>(site.pool->ops().ambient_dim);
-  }
-  if (!fits) {
-    return {StatusCode::kInvalidArgument,
-            "RestoreSnapshot: vertices were added or removed since it was taken"};
-  }
-  if (snapshot.states.size() != size) {
-    return {StatusCode::kInvalidArgument,
-            "RestoreSnapshot: " + std::to_string(snapshot.states.size()) + " numbers instead of " +
-                std::to_string(size)};
-  }
-  if (Status status = ValidateFinite(snapshot.states.data(), static_cast<int>(size), "snapshot");
-      !status.ok()) {
-    return status;
-  }
-  for (const FreeTangent& tangent : snapshot.free_tangents) {
-    if (internal::AllFinite(tangent.q0, 4) && internal::AllFinite(tangent.dphi, 3)) continue;
-    return {StatusCode::kNotFinite, "RestoreSnapshot: the chart of a pose is not finite",
-            tangent.vertex};
-  }
-  if (Status status = CheckFirstEstimates(snapshot); !status.ok()) return status;
-  RestoreFirstEstimates(snapshot);
-  const double* from = snapshot.states.data();
-  for (const AnyVertex& vertex : snapshot.vertices) {
-    const VertexSite site = Locate(vertex);
-    const int dim = site.pool->ops().ambient_dim;
-    std::copy_n(from, dim, site.pool->Data(site.index));
-    from += dim;
-  }
-  // Charts: those of the snapshot for vertices that are still held alike, fresh ones for the rest.
-  for (FreeTangent& tangent : free_tangents_) {
-    Reanchor(tangent.vertex);
-    for (const FreeTangent& old : snapshot.free_tangents) {
-      if (old.vertex == tangent.vertex && old.fix == tangent.fix) tangent = old;
-    }
-  }
-  return {};
 }
 
 }  // namespace glissade

@@ -203,7 +203,7 @@ Result<BalProblem> BalFromGraph(const Graph& graph) {
         problem.points.push_back(point);
       });
   graph.ForEachEdge<EdgeBal>([&](EdgeHandle<EdgeBal> handle, const EdgeBal& edge) {
-    const std::vector<AnyVertex> vertices = graph.VerticesOf(handle);
+    const std::vector<AnyVertex> vertices = graph.VerticesOf(handle).value();
     problem.observations.push_back({camera_of_slot[vertices[0].slot],
                                     point_of_slot[vertices[1].slot], edge.uv[0], edge.uv[1]});
   });

@@ -18,7 +18,8 @@ Result<std::vector<VertexDrift>> Drift(const Graph& graph, EdgeHandle<DynamicEdg
   }
   std::vector<VertexDrift> drift;
   const double* x0 = edge->x0().data();
-  for (const AnyVertex& vertex : graph.VerticesOf(prior)) {
+  const Result<std::vector<AnyVertex>> vertices = graph.VerticesOf(prior);
+  for (const AnyVertex& vertex : vertices.value()) {
     const VertexPoolBase& pool = *graph.PoolOf(vertex.type);
     drift.push_back(
         {vertex, std::vector<double>(static_cast<std::size_t>(pool.ops().tangent_dim))});

@@ -148,7 +148,7 @@ Result<Marginalization> Marginalize(Graph* graph, std::span<const AnyVertex> ver
   if (workspace == nullptr) workspace = &own;
   MarginalWorkspace::Impl& w = workspace->impl();
   if (Status s = ComputeMarginalPrior(*graph, vertices, options, workspace, &w.prior); !s.ok()) {
-    return s;
+    return graph->Refused(std::move(s));
   }
   // All that can fail comes before the first change.
   Marginalization result;
@@ -157,14 +157,17 @@ Result<Marginalization> Marginalize(Graph* graph, std::span<const AnyVertex> ver
   result.report = w.prior.report;
   std::unique_ptr<DynamicEdge> edge;
   if (result.rows > 0 && result.tangent_dim > 0) {
-    if (Status s = MakeEdge(*graph, w.prior, &w, &edge); !s.ok()) return s;
+    if (Status s = MakeEdge(*graph, w.prior, &w, &edge); !s.ok()) {
+      return graph->Refused(std::move(s));
+    }
     if (Status s = KeepLandmarksOf(w.prior, graph); !s.ok()) return s;
     auto added = graph->AddEdge(std::move(edge), w.prior.vertices);
     if (!added.ok()) return added.status();
     result.prior = added.value();
   }
   for (const AnyVertex& vertex : vertices) {
-    if (Status s = graph->RemoveVertex(vertex); !s.ok()) return s;
+    // Older priors on it are part of the new one.
+    if (Status s = graph->RemoveVertex(vertex, PriorOnVertex::kRemove); !s.ok()) return s;
   }
   if (graph->first_estimates() == FirstEstimates::kOff && result.prior.slot != kNullSlot) {
     const double* x0 = w.prior.x0.data();

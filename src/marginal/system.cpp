@@ -58,8 +58,7 @@ Status MarginalSystem::MarkGoing(const Graph& graph, std::span<const AnyVertex> 
     variable_of_[Index(pool->id())].assign(Index(pool->size()), -1);
   for (const AnyVertex& vertex : vertices) {
     if (!graph.Contains(vertex)) {
-      return {StatusCode::kUnknownHandle,
-              "Marginalize: vertex " + ToString(vertex) + " is not in this graph", vertex};
+      return About(graph.UnknownHandle(vertex), "Marginalize");
     }
     VertexPoolBase* pool = graph.PoolOf(vertex.type);
     const auto before = variables_.size();
@@ -77,8 +76,7 @@ Status MarginalSystem::CollectEdges(const Graph& graph, const MarginalizeOptions
                                     MarginalReport* report) {
   for (const AnyEdge& edge : options.drop) {
     if (graph.Contains(edge)) continue;
-    return {StatusCode::kUnknownHandle,
-            "Marginalize: edge " + ToString(edge) + " to be dropped is not in this graph", edge};
+    return About(graph.UnknownHandle(edge), "Marginalize: to be dropped");
   }
   const auto num_going = static_cast<std::int32_t>(variables_.size());
   unsorted_.clear();

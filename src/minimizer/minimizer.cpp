@@ -30,6 +30,7 @@ class Minimizer {
   void Run() {
     Reset();
     if (Status status = options_.Validate(); !status.ok()) return Fail(std::move(status));
+    if (Status status = graph_->ReadyToSolve(); !status.ok()) return Fail(std::move(status));
     if (Status status = gauge_.Begin(options_.gauge, graph_); !status.ok()) {
       return Fail(std::move(status));
     }

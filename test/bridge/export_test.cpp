@@ -73,7 +73,7 @@ TEST(Export, EveryVertexAndEdgeIsMapped) {
       ASSERT_NE(id, nullptr) << ToString(edge);
       std::vector<double*> blocks;
       problem.GetParameterBlocksForResidualBlock(id, &blocks);
-      const std::vector<AnyVertex> vertices = graph.VerticesOf(edge);
+      const std::vector<AnyVertex> vertices = graph.VerticesOf(edge).value();
       ASSERT_EQ(blocks.size(), vertices.size());
       for (std::size_t i = 0; i < blocks.size(); ++i)
         EXPECT_EQ(blocks[i], exported.ParameterBlock(vertices[i]));

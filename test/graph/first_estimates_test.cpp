@@ -77,7 +77,7 @@ TEST_F(FirstEstimatesTest, ItLastsAsLongAsAPriorTouchesTheVertex) {
   EXPECT_FALSE(graph.HasFirstEstimate(poses[0]));
   EXPECT_TRUE(graph.HasFirstEstimate(poses[1]));
   // A prior goes with its vertices.
-  ASSERT_TRUE(graph.RemoveVertex(poses[2]).ok());
+  ASSERT_TRUE(graph.RemoveVertex(poses[2], PriorOnVertex::kRemove).ok());
   EXPECT_FALSE(graph.Contains(AnyEdge(second.value())));
   EXPECT_FALSE(graph.HasFirstEstimate(poses[1]));
   EXPECT_TRUE(graph.Pool<VertexPose>()->first_estimates().empty());

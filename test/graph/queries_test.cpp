@@ -110,12 +110,12 @@ TEST_F(GraphQueries, AnEdgeWithoutAValueIsNamedNotSkipped) {
 }
 
 TEST_F(GraphQueries, NeighboursAreFoundBothWays) {
-  EXPECT_EQ(graph_.VerticesOf(edge_), (std::vector<AnyVertex>{host_, target_, depth_}));
+  EXPECT_EQ(Must(graph_.VerticesOf(edge_)), (std::vector<AnyVertex>{host_, target_, depth_}));
   const auto prior = Must(graph_.AddEdge(EdgeSE3Prior(), {target_}));
-  EXPECT_EQ(graph_.EdgesOf(target_), (std::vector<AnyEdge>{edge_, prior}));
-  EXPECT_EQ(graph_.EdgesOf(host_), std::vector<AnyEdge>{AnyEdge(edge_)});
+  EXPECT_EQ(Must(graph_.EdgesOf(target_)), (std::vector<AnyEdge>{edge_, prior}));
+  EXPECT_EQ(Must(graph_.EdgesOf(host_)), std::vector<AnyEdge>{AnyEdge(edge_)});
   Must(graph_.RemoveEdge(edge_));
-  EXPECT_TRUE(graph_.EdgesOf(host_).empty());
+  EXPECT_TRUE(Must(graph_.EdgesOf(host_)).empty());
   EXPECT_EQ(graph_.NumEdges<EdgeReprojection>(), 0);
   EXPECT_EQ(graph_.NumEdges<EdgeSE3Prior>(), 1);
   EXPECT_EQ(graph_.NumVertices<VertexPose>(), 2);

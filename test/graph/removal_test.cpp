@@ -16,7 +16,7 @@ TEST(GraphRemoval, TakesTheEdgesOfAVertexAndNothingElse) {
   Graph graph;
   const Window w = AddWindow(&graph, {.frames = 4, .landmarks = 12, .track = 3});
   const AnyVertex gone = w.poses[1];
-  const std::vector<AnyEdge> dying = graph.EdgesOf(gone);
+  const std::vector<AnyEdge> dying = Must(graph.EdgesOf(gone));
   ASSERT_FALSE(dying.empty());
   const std::vector<AnyEdge> all = graph.Edges();
   std::vector<AnyEdge> staying;

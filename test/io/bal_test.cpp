@@ -194,7 +194,7 @@ TEST(Bal, ToAGraphAndBack) {
   EXPECT_EQ(graph.NumVertices<VertexPointXYZ>(), 3);
   EXPECT_EQ(graph.NumEdges<EdgeBal>(), 4);
   EXPECT_EQ(graph.Find(handles->edges[2])->uv, Vector2(3.0, 0.04125));
-  EXPECT_EQ(graph.VerticesOf(handles->edges[2]),
+  EXPECT_EQ(graph.VerticesOf(handles->edges[2]).value(),
             (std::vector<AnyVertex>{handles->cameras[1], handles->points[1]}));
   auto back = BalFromGraph(graph);
   ASSERT_TRUE(back.ok());

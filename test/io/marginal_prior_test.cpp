@@ -67,8 +67,11 @@ TEST(MarginalPriorFile, ItsLinearizationPointsComeBackAsSuch) {
   const auto back = AddToGraph(read->front(), WindowKind::kVisualInertial, {}, &again);
   ASSERT_TRUE(back.ok());
   const auto edges = again.EdgesOf(back->poses[1]);
-  ASSERT_EQ(edges.size(), 1u);
-  const EdgeMarginalPrior* edge = FindMarginalPrior(again, {edges[0].slot, edges[0].generation});
+  ASSERT_TRUE(edges.ok());
+  ASSERT_EQ(edges->size(), 1u);
+  const auto handle = edges->front().As<DynamicEdge>();
+  ASSERT_TRUE(handle);
+  const EdgeMarginalPrior* edge = FindMarginalPrior(again, *handle);
   ASSERT_NE(edge, nullptr);
   EXPECT_TRUE(std::equal(edge->jacobian().begin(), edge->jacobian().end(), prior->jacobian.begin(),
                          prior->jacobian.end()));
@@ -76,7 +79,7 @@ TEST(MarginalPriorFile, ItsLinearizationPointsComeBackAsSuch) {
   EXPECT_FALSE(again.HasFirstEstimate(back->poses[0]));
   for (std::size_t k = 0; k < 7; ++k)
     EXPECT_EQ(again.LinearizationPoint(back->poses[1])[k], prior->x0[k]);
-  const auto drift = Drift(again, {edges[0].slot, edges[0].generation});
+  const auto drift = Drift(again, *handle);
   ASSERT_TRUE(drift.ok());
   EXPECT_NEAR(drift->front().delta[2], 0.03, 1e-15);
   EXPECT_EQ(drift->back().delta[2], 0.0);

@@ -35,7 +35,7 @@ struct Reference {
             const std::vector<AnyVertex>& left) {
     Graph graph = original.Clone();
     for (const AnyEdge& edge : graph.Edges()) {
-      const auto vertices = graph.VerticesOf(edge);
+      const auto vertices = graph.VerticesOf(edge).value();
       if (std::none_of(vertices.begin(), vertices.end(),
                        [&](AnyVertex v) { return IsIn(out, v); })) {
         EXPECT_TRUE(graph.RemoveEdge(edge).ok());

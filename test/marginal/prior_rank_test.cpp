@@ -83,7 +83,7 @@ TEST(PriorRank, WithoutRowsOfRoundingTheQuadraticFormIsTheSame) {
       Graph graph = scene.problem.Graph::Clone();
       for (const AnyEdge& edge : graph.Edges()) {  // relative poses of those that stay
         bool folded = false;
-        for (const AnyVertex& vertex : graph.VerticesOf(edge))
+        for (const AnyVertex& vertex : graph.VerticesOf(edge).value())
           folded |= vertex == AnyVertex(scene.poses[0]) || vertex.type == scene.points[0].type;
         if (folded) continue;
         ASSERT_TRUE(graph.RemoveEdge(edge).ok());

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -17,17 +18,18 @@
 namespace glissade {
 namespace {
 
-using Id = std::pair<std::uint32_t, std::uint32_t>;
+using Id = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
 
 /// The library's Problem, with values looked up by id.
 class Ours {
  public:
   Id Add(double value) {
     const auto handle = problem_.AddVertex(VertexInverseDepth{value}).value();
-    return {handle.slot, handle.generation};
+    return {handle.slot, handle.generation, handle.graph};
   }
   [[nodiscard]] std::optional<double> Find(Id id) const {
-    const auto* v = problem_.Find(VertexHandle<VertexInverseDepth>{id.first, id.second});
+    const auto [slot, generation, graph] = id;
+    const auto* v = problem_.Find(VertexHandle<VertexInverseDepth>{slot, generation, graph});
     return v != nullptr ? std::optional(v->rho) : std::nullopt;
   }
 
@@ -40,7 +42,7 @@ class WithGlobalCounter {
  public:
   ~WithGlobalCounter() { next_id_ = 0; }
   Id Add(double value) {
-    const Id id{next_id_++, 0};
+    const Id id{next_id_++, 0, 0};
     vertices_.insert({id, value});  // an id that is taken: the new vertex is lost
     return id;
   }

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -40,11 +42,14 @@ inline constexpr TypeInfo kTypeInfo{internal::TypeName<T>()};
 inline constexpr std::uint32_t kNullSlot = 0xffffffffu;
 
 /// Address of a vertex of type V in one Graph. Small, copyable, never dangling: once its vertex is
-/// removed, every call that is given the handle refuses it. A default-constructed handle is null.
+/// removed, every call that is given the handle refuses it, and so does every other graph. Only a
+/// clone knows the handles that its original had given out by then. A default-constructed handle is
+/// null. Handles can be compared and hashed; there is one handle for a vertex, whoever is asked.
 template <class V>
 struct VertexHandle {
   std::uint32_t slot = kNullSlot;
   std::uint32_t generation = 0;
+  std::uint32_t graph = 0;  ///< the graph it was added to; 0: none
   friend bool operator==(const VertexHandle&, const VertexHandle&) = default;
 };
 
@@ -53,6 +58,7 @@ template <class E>
 struct EdgeHandle {
   std::uint32_t slot = kNullSlot;
   std::uint32_t generation = 0;
+  std::uint32_t graph = 0;  ///< the graph it was added to; 0: none
   friend bool operator==(const EdgeHandle&, const EdgeHandle&) = default;
 };
 
@@ -61,13 +67,21 @@ struct AnyVertex {
   const TypeInfo* type = nullptr;
   std::uint32_t slot = kNullSlot;
   std::uint32_t generation = 0;
+  std::uint32_t graph = 0;
 
   AnyVertex() = default;
-  AnyVertex(const TypeInfo* t, std::uint32_t s, std::uint32_t g)
-      : type(t), slot(s), generation(g) {}
+  AnyVertex(const TypeInfo* t, std::uint32_t s, std::uint32_t g, std::uint32_t of_graph = 0)
+      : type(t), slot(s), generation(g), graph(of_graph) {}
   template <class V>
   AnyVertex(VertexHandle<V> h)  // NOLINT: implicit, a typed handle is a handle
-      : type(&kTypeInfo<V>), slot(h.slot), generation(h.generation) {}
+      : type(&kTypeInfo<V>), slot(h.slot), generation(h.generation), graph(h.graph) {}
+
+  /// The typed handle; nothing where the vertex is of another type.
+  template <class V>
+  [[nodiscard]] std::optional<VertexHandle<V>> As() const {
+    if (type != &kTypeInfo<V>) return std::nullopt;
+    return VertexHandle<V>{slot, generation, graph};
+  }
 
   explicit operator bool() const { return slot != kNullSlot; }
   friend bool operator==(const AnyVertex&, const AnyVertex&) = default;
@@ -78,12 +92,21 @@ struct AnyEdge {
   const TypeInfo* type = nullptr;
   std::uint32_t slot = kNullSlot;
   std::uint32_t generation = 0;
+  std::uint32_t graph = 0;
 
   AnyEdge() = default;
-  AnyEdge(const TypeInfo* t, std::uint32_t s, std::uint32_t g) : type(t), slot(s), generation(g) {}
+  AnyEdge(const TypeInfo* t, std::uint32_t s, std::uint32_t g, std::uint32_t of_graph = 0)
+      : type(t), slot(s), generation(g), graph(of_graph) {}
   template <class E>
   AnyEdge(EdgeHandle<E> h)  // NOLINT: implicit, a typed handle is a handle
-      : type(&kTypeInfo<E>), slot(h.slot), generation(h.generation) {}
+      : type(&kTypeInfo<E>), slot(h.slot), generation(h.generation), graph(h.graph) {}
+
+  /// The typed handle; nothing where the edge is of another type.
+  template <class E>
+  [[nodiscard]] std::optional<EdgeHandle<E>> As() const {
+    if (type != &kTypeInfo<E>) return std::nullopt;
+    return EdgeHandle<E>{slot, generation, graph};
+  }
 
   explicit operator bool() const { return slot != kNullSlot; }
   friend bool operator==(const AnyEdge&, const AnyEdge&) = default;
@@ -105,4 +128,29 @@ std::string ToString(const Handle& handle) {
   }
 }
 
+namespace internal {
+
+/// Of a handle's numbers; types share slot numbers, so that a few of a mixed set collide.
+template <class Handle>
+struct HandleHash {
+  std::size_t operator()(const Handle& handle) const noexcept {
+    std::uint64_t x = (std::uint64_t{handle.slot} << 32 | handle.generation) ^
+                      std::uint64_t{handle.graph} * 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 32) * 0xd6e8feb86659fd93u;
+    return static_cast<std::size_t>(x ^ x >> 32);
+  }
+};
+
+}  // namespace internal
 }  // namespace glissade
+
+template <class V>
+struct std::hash<glissade::VertexHandle<V>>
+    : glissade::internal::HandleHash<glissade::VertexHandle<V>> {};
+template <class E>
+struct std::hash<glissade::EdgeHandle<E>>
+    : glissade::internal::HandleHash<glissade::EdgeHandle<E>> {};
+template <>
+struct std::hash<glissade::AnyVertex> : glissade::internal::HandleHash<glissade::AnyVertex> {};
+template <>
+struct std::hash<glissade::AnyEdge> : glissade::internal::HandleHash<glissade::AnyEdge> {};

@@ -23,6 +23,8 @@ enum class StatusCode {
   kDuplicate,         ///< the same observation twice
   kEliminatedPair,    ///< an edge between two eliminated vertices
   kRepeatedVertex,    ///< one vertex twice in one edge
+  kUnderPrior,        ///< would take a marginal prior with it
+  kNothingToSolve,    ///< no edge, and so no cost
   kSingular,          ///< a block without information that would have to be inverted
   kEvaluationFailed,  ///< an edge has no value at this point
   kIoError,           ///< a file cannot be opened, read or written
@@ -40,6 +42,8 @@ class Status {
       : code_(code), message_(std::move(message)), vertex_(culprit) {}
   Status(StatusCode code, std::string message, AnyEdge culprit, AnyEdge other = {})
       : code_(code), message_(std::move(message)), edge_(culprit), other_edge_(other) {}
+  Status(StatusCode code, std::string message, AnyVertex culprit, AnyEdge edge)
+      : code_(code), message_(std::move(message)), vertex_(culprit), edge_(edge) {}
 
   [[nodiscard]] bool ok() const { return code_ == StatusCode::kOk; }
   explicit operator bool() const { return ok(); }
@@ -79,9 +83,12 @@ class [[nodiscard]] Result {
   /// The value; a default-constructed T when !ok().
   [[nodiscard]] const T& value() const& { return value_; }
   [[nodiscard]] T& value() & { return value_; }
-  [[nodiscard]] T&& value() && { return std::move(value_); }
-  const T& operator*() const { return value_; }
-  T& operator*() { return value_; }
+  // By value from a temporary: `for (x : graph.EdgesOf(v).value())` must not loop over what is
+  // gone.
+  [[nodiscard]] T value() && { return std::move(value_); }
+  const T& operator*() const& { return value_; }
+  T& operator*() & { return value_; }
+  T operator*() && { return std::move(value_); }
   const T* operator->() const { return &value_; }
   T* operator->() { return &value_; }
 
@@ -90,6 +97,10 @@ class [[nodiscard]] Result {
            !std::same_as<U, Status> && std::convertible_to<const T&, U>)
   operator U() const {  // NOLINT: implicit by design
     return static_cast<U>(value_);
+  }
+  /// The same for what can only be moved (a Graph).
+  operator T() && requires(!std::copy_constructible<T>) {  // NOLINT: implicit by design
+    return std::move(value_);
   }
 
  private:

@@ -40,6 +40,8 @@ class CeresProblem {
   CeresProblem& operator=(CeresProblem&&) noexcept;
   ~CeresProblem();
 
+  /// Not ok where the graph could not be copied (Graph::Clone); the problem is then empty.
+  [[nodiscard]] const Status& status() const;
   [[nodiscard]] ceres::Problem& problem();
   [[nodiscard]] const ceres::Problem& problem() const;
 

@@ -52,6 +52,7 @@ class DynamicEdge {
   /// have none a linearization point (graph/first_estimates.h).
   [[nodiscard]] virtual const double* LinearizationPoint() const { return nullptr; }
 
+  /// A copy that lives apart from this one. Graph::Clone() fails where it is null.
   [[nodiscard]] virtual std::unique_ptr<DynamicEdge> Clone() const = 0;
 };
 

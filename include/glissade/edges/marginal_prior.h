@@ -20,10 +20,14 @@ namespace glissade {
 /// Using Nonlinear Optimization" (IJRR 2015), Sec. 4.3.
 class EdgeMarginalPrior final : public DynamicEdge {
  public:
+  // No move: what was moved from would be a prior without numbers.
+  EdgeMarginalPrior(const EdgeMarginalPrior&) = default;
+  EdgeMarginalPrior& operator=(const EdgeMarginalPrior&) = default;
+
   /// vertices: the types, in the order in which the edge will be given its vertices. x0: their
   /// ambient states, one after the other. r0: rows. J: rows x D, row-major, with D the sum of the
-  /// tangent dimensions. Refused: sizes that do not match (kInvalidArgument), numbers that are not
-  /// finite (kNotFinite).
+  /// tangent dimensions. Refused: sizes that do not match and states that are none, such as a zero
+  /// quaternion (kInvalidArgument), numbers that are not finite (kNotFinite).
   static Result<std::unique_ptr<EdgeMarginalPrior>> Create(
       std::span<const VertexOps* const> vertices, std::span<const double> x0,
       std::span<const double> r0, std::span<const double> jacobian);

@@ -22,13 +22,14 @@ class DynamicEdgePool final : public EdgePoolBase {
   };
 
   EdgeHandle<DynamicEdge> Add(std::unique_ptr<DynamicEdge> edge, std::span<const Vertex> vertices,
-                              const Loss& loss, std::uint64_t stamp);
+                              const Loss& loss, std::uint64_t stamp, std::uint32_t graph);
 
   [[nodiscard]] const DynamicEdge& At(int edge) const { return *EntryAt(edge).edge; }
   [[nodiscard]] DynamicEdge& At(int edge) { return *items_[static_cast<std::size_t>(edge)].edge; }
 
   /// Takes the edge object out of an edge that has been removed (before the next Compact), so that
-  /// its storage can serve again; null if it was taken before.
+  /// its storage can serve again; null if it was taken before. Until Compact its entry is without
+  /// one: nothing but Alive() may be asked about edges that are not.
   std::unique_ptr<DynamicEdge> TakeRemoved(int edge) {
     return std::move(items_[static_cast<std::size_t>(edge)].edge);
   }
@@ -60,7 +61,8 @@ class DynamicEdgePool final : public EdgePoolBase {
   void Prepare() override;
   void Compact() override;
   [[nodiscard]] std::unique_ptr<EdgePoolBase> Clone(
-      const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools) const override;
+      const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools,
+      AnyEdge* failed) const override;
 
  private:
   struct Entry {

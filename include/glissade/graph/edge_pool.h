@@ -50,8 +50,8 @@ class EdgePool final : public EdgePoolBase {
   /// sqrt_information: kRows x kRows, row-major.
   EdgeHandle<E> Add(const E& edge, const EdgeVertexHandles<E>& vertices,
                     const double* sqrt_information, bool identity, const Loss& loss,
-                    std::uint64_t stamp) {
-    const auto address = slots_.Add(stamp);
+                    std::uint64_t stamp, std::uint32_t graph) {
+    const auto address = slots_.Add(stamp, graph);
     edges_.push_back(edge);
     Addresses addresses;
     ForEachIndex<kArity>([&](auto i) {
@@ -61,7 +61,7 @@ class EdgePool final : public EdgePoolBase {
     sqrt_information_.emplace_back(sqrt_information);
     identity_.push_back(identity ? 1 : 0);
     loss_of_edge_.push_back(FindOrAddLoss(loss));
-    return {address.slot, address.generation};
+    return {address.slot, address.generation, graph};
   }
 
   /// All alive, all different, at most one of them eliminated.
@@ -71,7 +71,7 @@ class EdgePool final : public EdgePoolBase {
     ForEachIndex<kArity>([&](auto i) {
       const auto& vertex = std::get<i>(vertices);
       const auto* pool = std::get<i>(pools_);
-      ok = ok && pool->slots().Contains(vertex.slot, vertex.generation);
+      ok = ok && pool->slots().Contains(vertex);
       if (ok && pool->eliminated(pool->slots().IndexOf(vertex.slot))) ++eliminated;
       ForEachIndex<i>([&](auto j) {
         if constexpr (std::is_same_v<EdgeVertex<E, i>, EdgeVertex<E, j>>) {
@@ -265,7 +265,7 @@ class EdgePool final : public EdgePoolBase {
   }
 
   [[nodiscard]] std::unique_ptr<EdgePoolBase> Clone(
-      const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools) const override {
+      const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools, AnyEdge*) const override {
     auto copy = std::make_unique<EdgePool>(*this);
     ForEachIndex<kArity>([&](auto i) {
       for (const auto& pool : vertex_pools) {

@@ -28,7 +28,7 @@ class EdgePoolBase {
   [[nodiscard]] int size() const { return slots_.Size(); }
   [[nodiscard]] AnyEdge HandleAt(int edge) const {
     const std::uint32_t slot = slots_.SlotOf(edge);
-    return {type_, slot, slots_.GenerationOf(slot)};
+    return {type_, slot, slots_.GenerationOf(slot), slots_.GraphOf(slot)};
   }
   [[nodiscard]] const Loss& loss(int edge) const {
     return losses_[loss_of_edge_[static_cast<std::size_t>(edge)]];
@@ -46,9 +46,12 @@ class EdgePoolBase {
   [[nodiscard]] virtual int fixed_arity() const = 0;
   /// Dense indices of all vertices of all edges (live ones: after Compact), one after the other.
   virtual void AllDenseIndices(std::int32_t* indices) const = 0;
+  /// The i-th vertex of an edge that is alive.
   [[nodiscard]] AnyVertex VertexOf(int edge, int i) const {
     const auto address = vertex_address(edge, i);
-    return {vertex_pool(edge, i)->ops().type, address.slot, address.generation};
+    const VertexPoolBase* pool = vertex_pool(edge, i);
+    return {pool->ops().type, address.slot, address.generation,
+            pool->slots().GraphOf(address.slot)};
   }
   /// Not removed, and none of its vertices removed.
   [[nodiscard]] bool Alive(int edge) const {
@@ -95,9 +98,10 @@ class EdgePoolBase {
   virtual void Prepare() {}
 
   virtual void Compact() = 0;
-  /// A copy whose edges refer to the given vertex pools (same types, same slots).
+  /// A copy whose edges refer to the given vertex pools (same types, same slots). Null, with the
+  /// edge in *failed, where an edge cannot be copied.
   [[nodiscard]] virtual std::unique_ptr<EdgePoolBase> Clone(
-      const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools) const = 0;
+      const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools, AnyEdge* failed) const = 0;
 
  protected:
   std::uint32_t FindOrAddLoss(const Loss& loss) {

@@ -27,12 +27,19 @@ struct OutlierOptions {
   double min_depth = 0.0;
 };
 
+/// What RemoveVertex() does about a marginal prior on the vertex.
+enum class PriorOnVertex : std::uint8_t {
+  kRefuse,  ///< nothing: it refuses (kUnderPrior)
+  kRemove,  ///< the prior goes with the vertex, and all that it knew of others with it
+};
+
 /// The factor graph: vertices and edges by type in contiguous pools, weights, losses, and what is
 /// held fixed. It knows nothing of linear algebra; Problem adds solving.
 ///
 /// Every call that changes something validates first and changes nothing on failure. Handles of
-/// removed things are refused. Vertices and edges keep their insertion order. Not thread-safe for
-/// writers; instances are independent of each other.
+/// removed things and of other graphs are refused. The first call that was refused is remembered
+/// (first_refusal()). Vertices and edges keep their insertion order. Not thread-safe for writers;
+/// instances are independent of each other.
 class Graph {
  public:
   Graph();
@@ -49,8 +56,9 @@ class Graph {
   template <VertexType V>
   Result<std::vector<VertexHandle<V>>> AddVertices(std::span<const V> values);
 
-  /// Refuses: dead handles, one vertex twice, two eliminated vertices, a measurement that its type
-  /// declares invalid, information that is not finite or not positive semi-definite.
+  /// Refuses: dead handles and those of other graphs, one vertex twice, two eliminated vertices, a
+  /// measurement that its type declares invalid, information that is not finite or not positive
+  /// semi-definite.
   template <EdgeType E>
   Result<EdgeHandle<E>> AddEdge(const E& edge, const EdgeVertexHandles<E>& vertices,
                                 const EdgeOptions<E>& options = {});
@@ -63,9 +71,21 @@ class Graph {
   Result<EdgeHandle<DynamicEdge>> AddEdge(std::unique_ptr<DynamicEdge> edge,
                                           std::span<const AnyVertex> vertices, Loss loss = {});
 
-  /// Removes a vertex and the edges connected to it.
-  Status RemoveVertex(AnyVertex vertex);
+  /// Removes a vertex and the edges connected to it. Refuses a vertex under a marginal prior
+  /// (kUnderPrior; names vertex and prior): the prior would go as a whole, and with it what it says
+  /// about other vertices. Marginalize() (marginal/marginalize.h) takes a vertex out and keeps
+  /// that.
+  Status RemoveVertex(AnyVertex vertex, PriorOnVertex prior = PriorOnVertex::kRefuse);
   Status RemoveEdge(AnyEdge edge);
+
+  // --- Refused calls ------------------------------------------------------------------------
+  /// The first call that was refused: one that adds, removes, sets, fixes, weighs, restores,
+  /// marginalizes or moves. Its status; ok if there was none. The graph is then not what its caller
+  /// has asked for, and Solve fails with this status, so that an unchecked call cannot vanish.
+  /// Clones and moved graphs take it along.
+  [[nodiscard]] const Status& first_refusal() const { return first_refusal_; }
+  /// Forgets it, and returns it: the caller has seen it and means to go on with the graph as it is.
+  Status AcknowledgeRefusal();
 
   // --- Values -------------------------------------------------------------------------------
   [[nodiscard]] bool Contains(AnyVertex vertex) const;
@@ -93,6 +113,7 @@ class Graph {
   // --- What is held, what is eliminated -----------------------------------------------------
   /// Holds a vertex, or part of a pose, at its present value; Fix::kFree lets it go.
   Status SetFixed(AnyVertex vertex, Fix fix = Fix::kWhole);
+  /// kFree for a dead handle.
   [[nodiscard]] Fix GetFixed(AnyVertex vertex) const;
   /// Whether a vertex is eliminated by the Schur complement; default: what its type says. Only
   /// vertices with a tangent of at most 4 dimensions can be.
@@ -109,6 +130,7 @@ class Graph {
   /// handle. Valid until the graph is changed.
   [[nodiscard]] std::span<const double> LinearizationPoint(AnyVertex vertex) const;
   /// Replaces x_lin: for whoever moves a solution with its priors, x0 of which must move along.
+  /// Refuses what the vertex's type refuses as a state.
   Status SetFirstEstimate(AnyVertex vertex, std::span<const double> x_lin);
 
   // --- Weights ------------------------------------------------------------------------------
@@ -128,8 +150,10 @@ class Graph {
   /// In insertion order within a type, types in order of first use.
   [[nodiscard]] std::vector<AnyVertex> Vertices() const;
   [[nodiscard]] std::vector<AnyEdge> Edges() const;
-  [[nodiscard]] std::vector<AnyVertex> VerticesOf(AnyEdge edge) const;
-  [[nodiscard]] std::vector<AnyEdge> EdgesOf(AnyVertex vertex) const;
+  /// In the order of the edge's type; kUnknownHandle for a dead handle.
+  [[nodiscard]] Result<std::vector<AnyVertex>> VerticesOf(AnyEdge edge) const;
+  /// In the order of Edges(); kUnknownHandle for a dead handle.
+  [[nodiscard]] Result<std::vector<AnyEdge>> EdgesOf(AnyVertex vertex) const;
   /// f(VertexHandle<V>, const V&) for all, in insertion order; likewise edges.
   template <VertexType V, class F>
   void ForEachVertex(F&& f) const;
@@ -148,14 +172,25 @@ class Graph {
   [[nodiscard]] std::vector<AnyEdge> GetOutlierEdges(const OutlierOptions& options = {}) const;
 
   // --- Copies -------------------------------------------------------------------------------
-  /// A deep copy; handles of this graph are valid in the copy.
-  [[nodiscard]] Graph Clone() const;
+  /// A deep copy. Handles that this graph has given out so far are valid in the copy; what is added
+  /// later, to either, is unknown to the other. Fails where the Clone() of a dynamic edge returns
+  /// null, and names the edge.
+  [[nodiscard]] Result<Graph> Clone() const;
   /// All vertex values (and gauge charts), to come back to.
   [[nodiscard]] Snapshot GetSnapshot() const;
-  /// Back to a snapshot of this graph; refused if vertices were added or removed since.
+  /// Back to a snapshot of this graph or of its original. Refused: one that does not have each
+  /// vertex of the graph once (kInvalidArgument), states, linearization points or charts that are
+  /// none. Charts that fit their restored poses are restored, others are anchored anew.
   Status RestoreSnapshot(const Snapshot& snapshot);
 
   // --- For the rooms below ------------------------------------------------------------------
+  /// Remembers the status of a call that was refused, if it is the first; returns it.
+  Status Refused(Status status);
+  /// Why a handle is unknown: null, removed, or of another graph.
+  [[nodiscard]] Status UnknownHandle(AnyVertex vertex) const;
+  [[nodiscard]] Status UnknownHandle(AnyEdge edge) const;
+  /// What Solve asks first: first_refusal(), then kNothingToSolve for a graph without edges.
+  [[nodiscard]] Status ReadyToSolve() const;
   using VertexPools = std::vector<std::unique_ptr<VertexPoolBase>>;
   using EdgePools = std::vector<std::unique_ptr<EdgePoolBase>>;
   [[nodiscard]] const VertexPools& vertex_pools() const { return vertex_pools_; }
@@ -212,14 +247,28 @@ class Graph {
   [[nodiscard]] EdgeSite Locate(AnyEdge edge) const;
   [[nodiscard]] Status CheckEdgeVertices(std::span<const AnyVertex> vertices,
                                          std::string_view edge_name) const;
+  [[nodiscard]] Status RemoveVertexChecked(AnyVertex vertex, PriorOnVertex prior);
+  [[nodiscard]] Status CheckFixed(const VertexSite& site, AnyVertex vertex, Fix fix) const;
+  [[nodiscard]] Status CheckEliminated(const VertexSite& site, AnyVertex vertex) const;
+  [[nodiscard]] Status CheckDynamicEdge(const DynamicEdge* edge,
+                                        std::span<const AnyVertex> vertices, const Loss& loss);
+  [[nodiscard]] Status CheckLoss(AnyEdge edge, const Loss& loss) const;
   void StructureChanged() { ++structure_version_; }
+  /// This graph's part of handles.
+  std::uint32_t Id() {
+    if (id_ == 0) id_ = NewId();
+    return id_;
+  }
+  static std::uint32_t NewId();
   void DropFreeTangent(AnyVertex vertex);
   void EnterFirstEstimate(const VertexSite& site, const double* x_lin);
   void EnterFirstEstimates(const DynamicEdge& edge, std::span<const AnyVertex> vertices);
-  [[nodiscard]] bool HasPriorOn(const VertexPoolBase& pool, int index) const;
+  /// A prior that touches the vertex; null if there is none.
+  [[nodiscard]] AnyEdge PriorOn(const VertexPoolBase& pool, int index) const;
   void DropOrphanedFirstEstimates();
-  void AddFirstEstimatesTo(Snapshot* snapshot) const;
-  [[nodiscard]] Status CheckFirstEstimates(const Snapshot& snapshot) const;
+  [[nodiscard]] Status CheckSnapshot(const Snapshot& snapshot) const;
+  [[nodiscard]] Status CheckStates(std::span<const AnyVertex> vertices,
+                                   std::span<const double> states, std::string_view what) const;
   void RestoreFirstEstimates(const Snapshot& snapshot);
   void DropGaugeReference(AnyVertex vertex);
   void Reanchor(AnyVertex vertex);
@@ -247,6 +296,8 @@ class Graph {
   std::uint64_t structure_version_ = 1;
   std::uint64_t weights_version_ = 1;
   std::uint64_t identity_;
+  std::uint32_t id_ = 0;  ///< 0 until it is needed
+  Status first_refusal_;
 };
 
 }  // namespace glissade

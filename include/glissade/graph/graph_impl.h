@@ -14,18 +14,6 @@ namespace glissade {
 
 namespace internal {
 
-/// Runs the optional Validate() of a vertex, edge or loss.
-template <class T>
-Status ValidateIfPossible(const T& value) {
-  if constexpr (requires {
-                  { value.Validate() } -> std::same_as<Status>;
-                }) {
-    return value.Validate();
-  } else {
-    return {};
-  }
-}
-
 /// Prefixes a status with what it is about; ok stays ok.
 Status About(const Status& status, std::string_view subject);
 
@@ -66,16 +54,16 @@ Status Graph::CheckVertex(const V& value) const {
 
 template <VertexType V>
 Result<VertexHandle<V>> Graph::AddVertex(const V& value) {
-  if (Status status = CheckVertex(value); !status.ok()) return status;
+  if (Status status = CheckVertex(value); !status.ok()) return Refused(std::move(status));
   StructureChanged();
-  return MakePool<V>().Add(value, structure_version_);
+  return MakePool<V>().Add(value, structure_version_, Id());
 }
 
 template <VertexType V>
 Result<std::vector<VertexHandle<V>>> Graph::AddVertices(std::span<const V> values) {
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (Status status = CheckVertex(values[k]); !status.ok()) {
-      return internal::About(status, "value " + std::to_string(k));
+      return Refused(internal::About(status, "value " + std::to_string(k)));
     }
   }
   std::vector<VertexHandle<V>> handles;
@@ -83,7 +71,7 @@ Result<std::vector<VertexHandle<V>>> Graph::AddVertices(std::span<const V> value
   StructureChanged();
   VertexPool<V>& pool = MakePool<V>();
   for (const V& value : values)
-    handles.push_back(pool.Add(value, structure_version_));
+    handles.push_back(pool.Add(value, structure_version_, Id()));
   return handles;
 }
 
@@ -101,13 +89,14 @@ Status Graph::CheckEdge(const E& edge, const EdgeVertexHandles<E>& vertices) con
 template <EdgeType E>
 Result<EdgeHandle<E>> Graph::AddEdge(const E& edge, const EdgeVertexHandles<E>& vertices,
                                      const EdgeOptions<E>& options) {
-  if (Status status = CheckEdge(edge, vertices); !status.ok()) return status;
   SquareMatrix<E::kResidualDim> sqrt;
   bool identity = true;
-  if (Status status = CheckOptions(options, &sqrt, &identity); !status.ok()) return status;
+  Status status = CheckEdge(edge, vertices);
+  if (status.ok()) status = CheckOptions(options, &sqrt, &identity);
+  if (!status.ok()) return Refused(std::move(status));
   StructureChanged();
   return MakeEdgePool<E>().Add(edge, vertices, sqrt.data(), identity, options.loss,
-                               structure_version_);
+                               structure_version_, Id());
 }
 
 template <EdgeType E>
@@ -124,7 +113,7 @@ Result<std::vector<EdgeHandle<E>>> Graph::AddEdges(std::span<const E> edges,
                                                    std::span<const EdgeVertexHandles<E>> vertices,
                                                    const EdgeOptions<E>& options) {
   if (edges.size() != vertices.size()) {
-    return Status(StatusCode::kInvalidArgument, "as many vertex tuples as edges are needed");
+    return Refused({StatusCode::kInvalidArgument, "as many vertex tuples as edges are needed"});
   }
   std::vector<EdgeHandle<E>> handles;
   if (edges.empty()) return handles;
@@ -132,22 +121,23 @@ Result<std::vector<EdgeHandle<E>>> Graph::AddEdges(std::span<const E> edges,
     Status status = CheckEdge(edges[k], vertices[k]);
     return status.ok() ? status : internal::About(status, "edge " + std::to_string(k));
   };
-  if (Status status = check(0); !status.ok()) return status;
   SquareMatrix<E::kResidualDim> sqrt;
   bool identity = true;
-  if (Status status = CheckOptions(options, &sqrt, &identity); !status.ok()) return status;
+  Status status = check(0);
+  if (status.ok()) status = CheckOptions(options, &sqrt, &identity);
+  if (!status.ok()) return Refused(std::move(status));
   EdgePool<E>& pool = MakeEdgePool<E>();
   for (std::size_t k = 1; k < edges.size(); ++k) {
     // The whole check has the words; most edges need none.
     if (pool.CanJoin(vertices[k]) && internal::ValidateIfPossible(edges[k]).ok()) continue;
-    if (Status status = check(k); !status.ok()) return status;
+    if (status = check(k); !status.ok()) return Refused(std::move(status));
   }
   handles.reserve(edges.size());
   pool.Reserve(edges.size());
   for (std::size_t k = 0; k < edges.size(); ++k) {
     StructureChanged();
-    handles.push_back(
-        pool.Add(edges[k], vertices[k], sqrt.data(), identity, options.loss, structure_version_));
+    handles.push_back(pool.Add(edges[k], vertices[k], sqrt.data(), identity, options.loss,
+                               structure_version_, Id()));
   }
   return handles;
 }
@@ -155,7 +145,7 @@ Result<std::vector<EdgeHandle<E>>> Graph::AddEdges(std::span<const E> edges,
 template <VertexType V>
 const V* Graph::Find(VertexHandle<V> vertex) const {
   const VertexPool<V>* pool = Pool<V>();
-  if (pool == nullptr || !pool->slots().Contains(vertex.slot, vertex.generation)) return nullptr;
+  if (pool == nullptr || !pool->slots().Contains(vertex)) return nullptr;
   return &pool->At(pool->slots().IndexOf(vertex.slot));
 }
 
@@ -176,12 +166,11 @@ const V& Graph::Get(VertexHandle<V> vertex) const {
 template <VertexType V>
 Status Graph::Set(VertexHandle<V> vertex, const V& value) {
   VertexPool<V>* pool = Pool<V>();
-  if (pool == nullptr || !pool->slots().Contains(vertex.slot, vertex.generation)) {
-    return {StatusCode::kUnknownHandle, "Set: " + ToString(vertex) + " is not in this graph",
-            AnyVertex(vertex)};
+  if (pool == nullptr || !pool->slots().Contains(vertex)) {
+    return Refused(internal::About(UnknownHandle(AnyVertex(vertex)), "Set"));
   }
   if (Status status = CheckVertex(value); !status.ok()) {
-    return {status.code(), status.message(), AnyVertex(vertex)};
+    return Refused({status.code(), status.message(), AnyVertex(vertex)});
   }
   pool->At(pool->slots().IndexOf(vertex.slot)) = value;
   Reanchor(vertex);
@@ -190,14 +179,12 @@ Status Graph::Set(VertexHandle<V> vertex, const V& value) {
 
 template <EdgeType E>
 Status Graph::SetSqrtInformation(EdgeHandle<E> edge, const SquareMatrix<E::kResidualDim>& sqrt) {
-  if (!Contains(AnyEdge(edge))) {
-    return {StatusCode::kUnknownHandle, ToString(edge) + " is not in this graph", AnyEdge(edge)};
-  }
+  if (!Contains(AnyEdge(edge))) return Refused(UnknownHandle(AnyEdge(edge)));
   SquareMatrix<E::kResidualDim> checked;
   bool identity = true;
   const Status status = internal::MakeSqrtInformation<E::kResidualDim>(
       std::optional(sqrt), std::nullopt, &checked, &identity);
-  if (!status.ok()) return {status.code(), status.message(), AnyEdge(edge)};
+  if (!status.ok()) return Refused({status.code(), status.message(), AnyEdge(edge)});
   EdgePool<E>* pool = Pool<E>();
   pool->set_sqrt_information(pool->slots().IndexOf(edge.slot), checked.data(), identity);
   ++weights_version_;
@@ -206,11 +193,12 @@ Status Graph::SetSqrtInformation(EdgeHandle<E> edge, const SquareMatrix<E::kResi
 
 template <EdgeType E>
 Status Graph::SetInformation(EdgeHandle<E> edge, const SquareMatrix<E::kResidualDim>& information) {
+  if (!Contains(AnyEdge(edge))) return Refused(UnknownHandle(AnyEdge(edge)));
   SquareMatrix<E::kResidualDim> sqrt;
   bool identity = true;
   const Status status = internal::MakeSqrtInformation<E::kResidualDim>(
       std::nullopt, std::optional(information), &sqrt, &identity);
-  if (!status.ok()) return {status.code(), status.message(), AnyEdge(edge)};
+  if (!status.ok()) return Refused({status.code(), status.message(), AnyEdge(edge)});
   return SetSqrtInformation(edge, sqrt);
 }
 
@@ -232,8 +220,7 @@ void Graph::ForEachVertex(F&& f) const {
   const VertexPool<V>* pool = Pool<V>();
   for (int k = 0; pool != nullptr && k < pool->size(); ++k) {
     if (!pool->slots().AliveAt(k)) continue;
-    const std::uint32_t slot = pool->slots().SlotOf(k);
-    f(VertexHandle<V>{slot, pool->slots().GenerationOf(slot)}, pool->At(k));
+    f(*pool->HandleAt(k).template As<V>(), pool->At(k));
   }
 }
 
@@ -242,8 +229,7 @@ void Graph::ForEachEdge(F&& f) const {
   const EdgePool<E>* pool = Pool<E>();
   for (int k = 0; pool != nullptr && k < pool->size(); ++k) {
     if (!pool->Alive(k)) continue;
-    const std::uint32_t slot = pool->slots().SlotOf(k);
-    f(EdgeHandle<E>{slot, pool->slots().GenerationOf(slot)}, pool->At(k));
+    f(*pool->HandleAt(k).template As<E>(), pool->At(k));
   }
 }
 

@@ -21,13 +21,16 @@ class SlotMap {
     std::uint32_t generation;
   };
 
-  /// stamp: a number that does not fall from one insertion into the graph to the next.
-  Address Add(std::uint64_t stamp) {
+  /// stamp: a number that does not fall from one insertion into the graph to the next. graph: the
+  /// id of the graph that it is added to, which a copy of this map keeps: what is added to the copy
+  /// later has another one, and so other handles than what the original is given.
+  Address Add(std::uint64_t stamp, std::uint32_t graph) {
     std::uint32_t slot;
     if (free_slots_.empty()) {
       slot = static_cast<std::uint32_t>(index_of_slot_.size());
       index_of_slot_.push_back(0);
       generation_of_slot_.push_back(0);
+      graph_of_slot_.push_back(0);
       // Room for every slot to be freed: Remove() must not allocate.
       free_slots_.reserve(index_of_slot_.capacity());
     } else {
@@ -35,6 +38,7 @@ class SlotMap {
       free_slots_.pop_back();
     }
     index_of_slot_[slot] = static_cast<std::uint32_t>(slot_of_index_.size());
+    graph_of_slot_[slot] = graph;
     slot_of_index_.push_back(slot);
     alive_.push_back(1);
     stamp_.push_back(stamp);
@@ -55,6 +59,19 @@ class SlotMap {
     return index < slot_of_index_.size() && slot_of_index_[index] == slot && alive_[index] != 0;
   }
 
+  /// What a caller's handle stands for: of this graph too.
+  template <class Handle>
+  [[nodiscard]] bool Contains(const Handle& handle) const {
+    return Contains(handle.slot, handle.generation) && graph_of_slot_[handle.slot] == handle.graph;
+  }
+  /// Whether a handle was good once: of an entry that has been removed.
+  template <class Handle>
+  [[nodiscard]] bool Contained(const Handle& handle) const {
+    return handle.slot < generation_of_slot_.size() &&
+           handle.generation < generation_of_slot_[handle.slot] &&
+           graph_of_slot_[handle.slot] == handle.graph;
+  }
+
   [[nodiscard]] int IndexOf(std::uint32_t slot) const {
     return static_cast<int>(index_of_slot_[slot]);
   }
@@ -64,6 +81,7 @@ class SlotMap {
   [[nodiscard]] std::uint32_t GenerationOf(std::uint32_t slot) const {
     return generation_of_slot_[slot];
   }
+  [[nodiscard]] std::uint32_t GraphOf(std::uint32_t slot) const { return graph_of_slot_[slot]; }
   [[nodiscard]] bool AliveAt(int index) const {
     return alive_[static_cast<std::size_t>(index)] != 0;
   }
@@ -99,6 +117,7 @@ class SlotMap {
  private:
   std::vector<std::uint32_t> index_of_slot_;
   std::vector<std::uint32_t> generation_of_slot_;
+  std::vector<std::uint32_t> graph_of_slot_;  ///< that its last entry was added to
   std::vector<std::uint32_t> slot_of_index_;
   std::vector<std::uint8_t> alive_;
   std::vector<std::uint64_t> stamp_;

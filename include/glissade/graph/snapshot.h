@@ -14,7 +14,7 @@ struct Snapshot {
   std::vector<AnyVertex> vertices;
   /// Ambient states, in the order of vertices, without gaps.
   std::vector<double> states;
-  /// Gauge charts of partly fixed poses.
+  /// Gauge charts of partly fixed poses. Of these, q0 and dphi count; the rest is recomputed.
   std::vector<FreeTangent> free_tangents;
   /// Vertices that have a linearization point, and those points as states are given.
   std::vector<AnyVertex> first_estimate_vertices;

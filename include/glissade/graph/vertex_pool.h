@@ -36,7 +36,7 @@ class VertexPoolBase {
   }
   [[nodiscard]] AnyVertex HandleAt(int index) const {
     const std::uint32_t slot = slots_.SlotOf(index);
-    return {ops_->type, slot, slots_.GenerationOf(slot)};
+    return {ops_->type, slot, slots_.GenerationOf(slot), slots_.GraphOf(slot)};
   }
 
   [[nodiscard]] Fix fix(int index) const { return fix_[static_cast<std::size_t>(index)]; }
@@ -84,14 +84,15 @@ class VertexPool final : public VertexPoolBase {
   VertexPool() : VertexPoolBase(kVertexOps<V>) { stride_ = sizeof(V); }
   VertexPool(const VertexPool& other) : VertexPoolBase(other), values_(other.values_) { Rebase(); }
 
-  VertexHandle<V> Add(const V& value, std::uint64_t stamp) {
-    const auto address = slots_.Add(stamp);
+  /// stamp, graph: see SlotMap.
+  VertexHandle<V> Add(const V& value, std::uint64_t stamp, std::uint32_t graph) {
+    const auto address = slots_.Add(stamp, graph);
     values_.push_back(value);
     fix_.push_back(Fix::kFree);
     eliminated_.push_back(kIsEliminated<V> ? 1 : 0);
     first_estimates_.Resize(slots_.Size());
     Rebase();
-    return {address.slot, address.generation};
+    return {address.slot, address.generation, graph};
   }
 
   [[nodiscard]] const V& At(int index) const { return values_[static_cast<std::size_t>(index)]; }

@@ -29,7 +29,8 @@ struct SolverWorkspace {
 };
 
 /// Minimizes from the graph's present values, by the method in the options. Leaves the best state
-/// found in the graph, also when it fails; the summary is in the workspace.
+/// found in the graph, also when it fails; the summary is in the workspace. What it refuses, and
+/// what it says of a graph in which nothing is free: Problem::Solve (problem/problem.h).
 const SolveSummary& Solve(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options);
 
 /// x <- x boxplus step for all free vertices (partly fixed poses in their charts).

@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "glissade/covariance/covariance.h"
@@ -34,6 +35,11 @@ class Problem : public Graph {
 
   /// Minimizes the cost from the present values and leaves the best state found. The summary is
   /// kept by the Problem until the next solve; copy it to keep it longer.
+  ///
+  /// Fails, with the values as they were, with the status of the first call that was refused since
+  /// the last AcknowledgeRefusal(), and with kNothingToSolve where the problem has no edges (no
+  /// vertices, or none that anything is known about). Where there are edges but nothing they touch
+  /// is free, the present values are the best ones: kConvergedGradient, no iterations, their cost.
   const SolveSummary& Solve(const SolveOptions& options = {});
 
   /// How far H is from having the null space that the measurements have (gauge/nullspace.h): from
@@ -65,8 +71,12 @@ class Problem : public Graph {
     return glissade::ComputeMarginalPrior(*this, vertices, options);
   }
 
-  /// A deep copy of the graph; handles are valid in the copy.
-  [[nodiscard]] Problem Clone() const { return Problem(Graph::Clone()); }
+  /// A deep copy of the graph; as Graph::Clone() otherwise.
+  [[nodiscard]] Result<Problem> Clone() const {
+    Result<Graph> copy = Graph::Clone();
+    if (!copy.ok()) return copy.status();
+    return Problem(std::move(copy).value());
+  }
 
   // --- The course's step API: for teaching and tests --------------------------------------------
   // Steps in the wrong order are refused, and so are steps after a change of structure, which makes

@@ -7,6 +7,7 @@
 
 #include "glissade/base/handle.h"
 #include "glissade/base/status.h"
+#include "glissade/base/validate.h"
 
 /// \file
 /// What a type must offer to be a vertex of the graph. A vertex is a plain value:
@@ -88,9 +89,24 @@ struct VertexOps {
   int first_estimate_size;
   void (*plus)(const double* x, const double* delta, double* x_plus_delta);
   void (*minus)(const double* x, const double* x0, double* delta);
+  /// Refuses a state that is not finite, or that the type's Validate() refuses.
+  Status (*validate)(const double* x);
 };
 
 namespace internal {
+
+/// Runs the optional Validate() of a vertex, edge or loss.
+template <class T>
+Status ValidateIfPossible(const T& value) {
+  if constexpr (requires {
+                  { value.Validate() } -> std::same_as<Status>;
+                }) {
+    return value.Validate();
+  } else {
+    return {};
+  }
+}
+
 template <VertexType V>
 V VertexFromData(const double* x) {
   V v;
@@ -113,6 +129,10 @@ inline constexpr VertexOps kVertexOps{
     },
     [](const double* x, const double* x0, double* delta) {
       internal::VertexFromData<V>(x).Minus(internal::VertexFromData<V>(x0), delta);
+    },
+    [](const double* x) -> Status {
+      if (Status s = ValidateFinite(x, V::kAmbientDim, kTypeInfo<V>.name); !s.ok()) return s;
+      return internal::ValidateIfPossible(internal::VertexFromData<V>(x));
     },
 };
 
