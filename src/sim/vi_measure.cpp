@@ -6,22 +6,19 @@
 #include "glissade/imu/buffer.h"
 #include "glissade/sim/noise_source.h"
 #include "glissade/sim/vi_world.h"
+#include "sim/vi_measure.h"
 
 namespace glissade::sim {
 
-namespace {
+namespace internal {
 
-// Streams of a seed.
-enum : std::uint64_t { kPixels = 10, kImu = 11, kStart = 12 };
-
-/// Samples with noise and walking biases; the biases at the keyframes go into the truth.
-Status DrawImu(const ViWorld& world, std::uint64_t seed, ViProblem* problem) {
+ImuReadings DrawImuReadings(const ViWorld& world, std::uint64_t seed) {
   const ViWorldOptions& options = world.options;
   const ImuNoise& noise = options.imu_noise;
-  NoiseSource random(seed, kImu);
+  const std::vector<std::int64_t>& stamps = world.exact.stamps_ns;
+  NoiseSource random(seed, kImuStream);
   ImuBias bias{random.Normal3(options.accel_bias_sigma), random.Normal3(options.gyro_bias_sigma)};
-  ImuBuffer buffer({.max_gap_ns = std::int64_t{1} << 62});
-  std::size_t k = 0;
+  ImuReadings readings;
   std::int64_t last = world.imu_samples.front().stamp_ns;
   const double root_rate = std::sqrt(options.imu_rate_hz);
   for (const ImuSample& exact : world.imu_samples) {
@@ -29,15 +26,36 @@ Status DrawImu(const ViWorld& world, std::uint64_t seed, ViProblem* problem) {
     const ImuBias before = bias;
     bias.ba += random.Normal3(noise.accel_random_walk * std::sqrt(h));
     bias.bg += random.Normal3(noise.gyro_random_walk * std::sqrt(h));
-    for (; k < problem->stamps_ns.size() && problem->stamps_ns[k] <= exact.stamp_ns; ++k) {
-      const double a = h > 0.0 ? SecondsBetween(last, problem->stamps_ns[k]) / h : 1.0;
-      problem->truth.speed_biases[k].ba() = (1.0 - a) * before.ba + a * bias.ba;
-      problem->truth.speed_biases[k].bg() = (1.0 - a) * before.bg + a * bias.bg;
+    for (std::size_t k = readings.biases.size(); k < stamps.size() && stamps[k] <= exact.stamp_ns;
+         ++k) {
+      const double a = h > 0.0 ? SecondsBetween(last, stamps[k]) / h : 1.0;
+      readings.biases.push_back(
+          {(1.0 - a) * before.ba + a * bias.ba, (1.0 - a) * before.bg + a * bias.bg});
     }
     last = exact.stamp_ns;
     ImuSample sample = exact;
     sample.accel += bias.ba + random.Normal3(noise.accel_noise_density * root_rate);
     sample.gyro += bias.bg + random.Normal3(noise.gyro_noise_density * root_rate);
+    readings.samples.push_back(sample);
+  }
+  return readings;
+}
+
+}  // namespace internal
+
+namespace {
+
+/// IMU terms at the true biases, which go into the truth.
+Status DrawImu(const ViWorld& world, std::uint64_t seed, ViProblem* problem) {
+  const ViWorldOptions& options = world.options;
+  const ImuNoise& noise = options.imu_noise;
+  const internal::ImuReadings readings = internal::DrawImuReadings(world, seed);
+  for (std::size_t k = 0; k < readings.biases.size(); ++k) {
+    problem->truth.speed_biases[k].ba() = readings.biases[k].ba;
+    problem->truth.speed_biases[k].bg() = readings.biases[k].bg;
+  }
+  ImuBuffer buffer({.max_gap_ns = std::int64_t{1} << 62});
+  for (const ImuSample& sample : readings.samples) {
     if (Status s = buffer.Add(sample); !s.ok()) return s;
   }
   ImuInterval interval;
@@ -58,7 +76,7 @@ Status DrawImu(const ViWorld& world, std::uint64_t seed, ViProblem* problem) {
 }
 
 void DrawStart(const ViWorldOptions& options, std::uint64_t seed, ViProblem* problem) {
-  NoiseSource random(seed, kStart);
+  NoiseSource random(seed, internal::kStartStream);
   problem->start = problem->truth;
   const double angle = std::numbers::pi / 180.0 * options.start_rotation_deg;
   for (std::size_t k = 0; k < problem->start.poses.size(); ++k) {
@@ -78,7 +96,7 @@ void DrawStart(const ViWorldOptions& options, std::uint64_t seed, ViProblem* pro
 
 Result<ViProblem> Measure(const ViWorld& world, std::uint64_t seed) {
   ViProblem problem = world.exact;
-  NoiseSource random(seed, kPixels);
+  NoiseSource random(seed, internal::kPixelStream);
   for (ViObservation& o : problem.observations) {
     o.u += random.Normal(world.options.pixel_noise);
     o.v += random.Normal(world.options.pixel_noise);

@@ -51,10 +51,21 @@ struct Viotracks {
   std::vector<ViotracksFrame> frames;  ///< ids and stamps increase
   std::vector<ViotracksObservation> tracks;
   std::vector<GroundTruthState> ground_truth;  ///< stamps increase; may be empty
+
+  /// What ReadViotracks would not take back: a camera that is none, ids or stamps that do not
+  /// increase, an observation in a frame or camera that does not exist, a number that is not
+  /// finite, an IMU without samples or samples without an IMU, ground truth with speeds and biases
+  /// at some stamps only.
+  [[nodiscard]] Status Validate() const;
 };
 
 /// Reads a folder. All or nothing: kIoError where a file that must be there cannot be opened, else
 /// kParseError with "file:line: what was expected, what was found".
 [[nodiscard]] Result<Viotracks> ReadViotracks(const std::string& folder);
+
+/// Writes calibration.json and .csv.gz tables to a folder, which is made where its parent exists;
+/// numbers have as few digits as read back to the same bits. Each file appears whole or not at all.
+/// Refuses what ReadViotracks would not take back; then nothing is written.
+Status WriteViotracks(const Viotracks& recording, const std::string& folder);
 
 }  // namespace glissade

@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Makes the files of data/, and larger ones of the same kind.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "common/options.h"
+#include "common/output_file.h"
+#include "common/program.h"
+#include "glissade/io/bal.h"
+#include "glissade/io/viotracks.h"
+#include "glissade/io/viowin.h"
+#include "glissade/sim/bal_scene.h"
+#include "glissade/sim/recording.h"
+#include "glissade/sim/windows.h"
+
+namespace {
+
+using namespace glissade;
+
+constexpr const char* kName = "make_data";
+
+constexpr const char* kDescription =
+    R"(Simulates data and writes them in the formats that the other programs read: sliding windows
+(VIOWIN), a recording of a stereo camera with an IMU (VIOTRACKS), or a bundle adjustment problem
+(BAL).)";
+
+constexpr const char* kFooter =
+    R"(The same options give the same numbers, to the rounding of the machine's log, sin and cos. The
+formats are described in docs/formats.md, the files in data/ in data/README.md; these are made by
+scripts/make_data.sh.
+
+Examples:
+  make_data windows win10.txt.gz                   4 windows of 10 keyframes
+  make_data windows win50.txt.gz --keyframes 50 --windows 4 --seed 50
+  make_data windows win11m.txt.gz --keyframes 11 --hosted-by-first 60
+  make_data recording flight                       12 s, written to the folder flight
+  make_data bal ring.txt.gz --cameras 100 --points 5000
+
+Exit code: 0; 2 where an option makes no sense; 1 where a file cannot be written.)";
+
+struct Options {
+  std::string kind, output;
+  std::uint32_t seed = 1;
+  int windows = 4;
+  sim::WindowMakerOptions window;
+  sim::RecordingOptions recording;
+  sim::BalSceneOptions bal;
+};
+
+void AddOptions(app::Program& program, Options& o) {
+  CLI::App& cli = program.cli();
+  cli.add_option("KIND", o.kind, "windows, recording or bal")
+      ->required()
+      ->check(CLI::IsMember({"windows", "recording", "bal"}));
+  cli.add_option("OUTPUT", o.output, "File (.txt, .txt.gz, .txt.bz2), or folder of a recording")
+      ->required();
+  app::AddSeed(cli, &o.seed, "Seed of everything; windows take this one and the next (default 1)");
+  app::AddInteger(cli, "--windows", &o.windows, 1, 10000, "Windows in the file (default 4)");
+  app::AddInteger(cli, "--keyframes", &o.window.num_keyframes, 2, 1000,
+                  "Keyframes of a window (default 10)");
+  app::AddInteger(cli, "--landmarks", &o.window.landmarks_per_keyframe, 1, 10000,
+                  "Landmarks of a window, per keyframe (default 25)");
+  app::AddInteger(cli, "--hosted-by-first", &o.window.hosted_by_first, 0, 100000,
+                  "At least N landmarks are hosted by the first keyframe (default 0)");
+  app::AddNumber(cli, "--length", &o.recording.world.length_m, 1.0, 1e4,
+                 "Length of the recorded flight (m; default 15)");
+  app::AddInteger(cli, "--cameras", &o.bal.num_cameras, 3, 10000,
+                  "Cameras of a bundle adjustment (default 16)");
+  app::AddInteger(cli, "--points", &o.bal.num_points, 1, 10000000,
+                  "Points of a bundle adjustment (default 300)");
+}
+
+app::Outcome MakeWindows(Options o) {
+  o.window.min_track = std::min(o.window.min_track, o.window.num_keyframes);
+  std::vector<ViowinWindow> windows;
+  for (int k = 0; k < o.windows; ++k) {
+    auto window = sim::MakeWindow(o.window, o.seed + static_cast<std::uint64_t>(k));
+    if (!window.ok()) return app::BadInput(window.status());
+    windows.push_back(std::move(window).value());
+  }
+  if (Status s = WriteViowin(windows, o.output); !s.ok()) return app::Failed(s);
+  app::Print("{}: {} windows of {} keyframes, {} landmarks, {} IMU terms\n", o.output,
+             windows.size(), windows[0].keyframes.size(), windows[0].landmarks.size(),
+             windows[0].imu.size());
+  return {};
+}
+
+app::Outcome MakeRecording(Options o) {
+  o.recording.seed = o.recording.world.seed = o.seed;
+  const auto recording = sim::MakeRecording(o.recording);
+  if (!recording.ok()) return app::BadInput(recording.status());
+  if (Status s = WriteViotracks(*recording, o.output); !s.ok()) return app::Failed(s);
+  app::Print("{}: {} frames, {} observations, {} IMU samples\n", o.output, recording->frames.size(),
+             recording->tracks.size(), recording->imu.size());
+  return {};
+}
+
+app::Outcome MakeBal(Options o) {
+  o.bal.seed = o.seed;
+  const auto problem = sim::MakeBalScene(o.bal);
+  if (!problem.ok()) return app::BadInput(problem.status());
+  if (Status s = WriteBal(*problem, o.output); !s.ok()) return app::Failed(s);
+  app::Print("{}: {} cameras, {} points, {} observations\n", o.output, problem->cameras.size(),
+             problem->points.size(), problem->observations.size());
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  app::Program program(kName, kDescription, kFooter);
+  Options options;
+  AddOptions(program, options);
+  return program.Run(argc, argv, [&] {
+    if (options.kind == "windows") return MakeWindows(options);
+    return options.kind == "bal" ? MakeBal(options) : MakeRecording(options);
+  });
+}
