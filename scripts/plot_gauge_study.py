@@ -108,6 +108,10 @@ def plot_path(plt, study, path):
         ax.set_yscale("log")
         ax.set_xlabel(label)
         clean(ax)
+    values = [s["reprojection_px"] for row in study["paths"] for s in row["steps"]]
+    ticks = [t for t in (0.5, 1, 2, 3, 5, 10, 20, 30, 50, 100) if min(values) / 2 <= t <= 2 * max(values)]
+    axes[0].set_yticks(ticks, [f"{t:g}" for t in ticks])
+    axes[0].yaxis.set_minor_locator(plt.NullLocator())
     axes[0].set_ylabel("mean reprojection error [px]")
     axes[1].legend(loc="best", fontsize=9)
     fig.suptitle("The way to the solution, step by step")
@@ -137,21 +141,49 @@ def plot_methods(plt, study, path):
     plt.close(fig)
 
 
-def plot_covariance(plt, covariance, title, path, dpi=100):
+def by_quantity(matrix, np):
+    """[p, theta, v] of each keyframe in turn -> all p, all theta, all v."""
+    order = [9 * k + 3 * q + i for q in range(3) for k in range(len(matrix) // 9) for i in range(3)]
+    return np.array([[np.nan if x is None else x for x in row] for row in matrix])[np.ix_(order, order)]
+
+
+def plot_covariance(plt, covariance, title, path):
+    import numpy as np
+
     names = (("log10_free", "free (pseudo-inverse)"), ("log10_transformed", "free, transformed"),
-             ("log10_fixed", "fixed"))
-    fig, axes = plt.subplots(1, 3, figsize=(12.0, 4.2), layout="constrained")
-    top = max(max(map(max, covariance[key])) for key, _ in names)
+             ("log10_fixed", "fixed"), ("log10_difference", "transformed less fixed"))
+    fig, axes = plt.subplots(1, 4, figsize=(14.4, 3.9), layout="constrained")
+    matrices = {key: by_quantity(covariance[key], np) for key, _ in names}
+    n = 3 * covariance["keyframes"]
+    top = max(np.nanmax(matrices[key]) for key, _ in names[:3])
+    # A whole number of pixels an entry, or none is the size of another.
+    step = max(1, n // 30)
     for ax, (key, label) in zip(axes, names):
-        image = ax.imshow(covariance[key], cmap="viridis", vmin=-7, vmax=top,
-                          interpolation="nearest")
+        image = matrices[key]
+        if step > 1:
+            blocks = image.reshape(len(image) // step, step, len(image) // step, step)
+            with np.errstate(all="ignore"):
+                image = np.fmax.reduce(np.fmax.reduce(blocks, axis=3), axis=1)
+        last = key == "log10_difference"
+        shown = ax.imshow(image, cmap="magma" if last else "viridis", vmin=-16 if last else -7,
+                          vmax=-8 if last else top, interpolation="nearest",
+                          extent=(0, 3 * n, 3 * n, 0))
         ax.set_title(label, fontsize=11)
-        ax.set_xticks([])
-        ax.set_yticks([])
-    fig.colorbar(image, ax=axes, shrink=0.85, label="log$_{10}$(|covariance| + 10$^{-7}$)")
-    fig.suptitle(f"{title}: [p, $\\theta$, v] of {covariance['keyframes']} keyframes; transformed "
-                 f"against fixed {covariance['relative_error']:.1e}")
-    fig.savefig(path, dpi=dpi)
+        ax.set_xticks([n / 2, 3 * n / 2, 5 * n / 2], ["position", "rotation", "velocity"], fontsize=9)
+        ax.set_yticks([n / 2, 3 * n / 2, 5 * n / 2], ["position", "rotation", "velocity"], fontsize=9,
+                      rotation=90, va="center")
+        ax.tick_params(length=0)
+        for edge in (n, 2 * n):
+            ax.axhline(edge, color="white", lw=0.6)
+            ax.axvline(edge, color="white", lw=0.6)
+        if key == "log10_fixed":
+            fig.colorbar(shown, ax=axes[:3], shrink=0.8, label="log$_{10}$(|covariance| + 10$^{-7}$)")
+        if last:
+            fig.colorbar(shown, ax=ax, shrink=0.8,
+                         label="log$_{10}$ |difference| / sqrt(var$_i$ var$_j$)")
+    fig.suptitle(f"{title}: {covariance['keyframes']} keyframes, first to last within a quantity; "
+                 f"transformed against fixed {covariance['relative_error']:.1e} of the norm")
+    fig.savefig(path, dpi=100)
     plt.close(fig)
 
 
@@ -186,6 +218,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("study", type=pathlib.Path, help=".json file of gauge_study")
     parser.add_argument("folder", type=pathlib.Path, help="where the pictures go")
+    parser.add_argument("--recordings", action="store_true", help="gauge_study_real_NAME.png only")
     args = parser.parse_args()
     try:
         with open(args.study, encoding="utf-8") as file:
@@ -208,14 +241,16 @@ def main():
     def to(name):
         return args.folder / f"gauge_study_{name}.png"
 
+    for row in study["real"]:
+        plot_covariance(plt, row["covariance"], row["dataset"], to(f"real_{row['dataset']}"))
+    if args.recordings:
+        return 0
     plot_accuracy(plt, study, to("accuracy"))
     plot_iterations(plt, study, to("iterations"))
     plot_path(plt, study, to("path"))
     plot_methods(plt, study, to("methods"))
     plot_covariance(plt, study["covariance"], study["sweep_configuration"], to("covariance"))
     plot_ellipses(plt, study["covariance"], study["sweep_configuration"], to("ellipses"))
-    for row in study["real"]:
-        plot_covariance(plt, row["covariance"], row["dataset"], to(f"real_{row['dataset']}"), 75)
     return 0
 
 

@@ -152,10 +152,18 @@ def plot_time(plt, sweep, path):
         band(ax, sweep, key, BLUE, "with prior (median, quartiles)")
         level(ax, one_row(sweep, "fixed"), key, GREY, "two poses fixed", "--")
         level(ax, one_row(sweep, "free"), key, GREY, "no prior", ":")
-        style(ax, label)
-        ax.set_ylim(bottom=0)
+        style(ax, label, log_y=True)
+    # Plain numbers: 5, 10, 20, 50 instead of powers of ten.
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+    low, high = axes[0].get_ylim()
+    axes[0].yaxis.set_major_locator(FixedLocator([t for t in (1, 2, 3, 5, 7, 10, 20, 40, 80, 160)
+                                                  if 0.7 * low <= t <= 1.4 * high]))
+    axes[0].yaxis.set_minor_locator(NullLocator())
+    axes[0].yaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    axes[1].yaxis.set_major_locator(FixedLocator([m * 10.0**e for e in range(-4, 3) for m in (1, 2, 5)]))
+    axes[1].yaxis.set_minor_locator(NullLocator())
+    axes[1].yaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     axes[0].set_title("Cost of a solve against the weight of the prior")
-    axes[0].set_ylim(top=1.6 * axes[0].get_ylim()[1])  # room for the legend over a flat curve
     axes[0].legend(loc="best", fontsize=9)
     axes[1].set_xlabel("prior weight [1/m$^2$, 1/rad$^2$]")
     fig.savefig(path, dpi=100)

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -56,6 +57,35 @@ Json LogMatrix(const std::vector<double>& values, int size) {
   return rows;
 }
 
+/// log10 of |a - b| as a part of what b's standard deviations allow; null where b holds a
+/// coordinate.
+Json LogDifference(const std::vector<double>& a, const std::vector<double>& b, int size) {
+  const auto at = [size](int i, int j) {
+    return static_cast<std::size_t>(i) * static_cast<std::size_t>(size) +
+           static_cast<std::size_t>(j);
+  };
+  // Held: no variance but rounding.
+  double largest = 0.0;
+  for (int i = 0; i < size; ++i)
+    largest = std::max(largest, b[at(i, i)]);
+  Json rows = Json::array();
+  for (int i = 0; i < size; ++i) {
+    Json row = Json::array();
+    for (int j = 0; j < size; ++j) {
+      const double held = 1e-14 * largest;
+      if (b[at(i, i)] <= held || b[at(j, j)] <= held) {
+        row.push_back(nullptr);
+        continue;
+      }
+      const double part =
+          std::abs(a[at(i, j)] - b[at(i, j)]) / std::sqrt(b[at(i, i)] * b[at(j, j)]);
+      row.push_back(std::round(1e3 * std::log10(part + 1e-20)) / 1e3);
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 Json EllipsesToJson(const std::vector<GaugeEllipse>& ellipses) {
   Json list = Json::array();
   for (const GaugeEllipse& e : ellipses)
@@ -69,6 +99,7 @@ Json CovarianceToJson(const GaugeCovariances& c) {
           {"log10_free", LogMatrix(c.free, c.size)},
           {"log10_transformed", LogMatrix(c.transformed, c.size)},
           {"log10_fixed", LogMatrix(c.fixed, c.size)},
+          {"log10_difference", LogDifference(c.transformed, c.fixed, c.size)},
           {"ellipses_x_y_xx_xy_yy",
            {{"free", EllipsesToJson(c.free_ellipses)},
             {"transformed", EllipsesToJson(c.transformed_ellipses)},

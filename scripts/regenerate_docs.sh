@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The glissade authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# regenerate_docs.sh [FOLDER_OF_THE_EXECUTABLES]
+#
+# Makes every picture of docs/images and every number of docs/figures.json anew, and writes them into
+# the documents; `git diff` then shows what has changed. Times of day and of machines are left alone:
+# docs/benchmarks.md has its own commands, for a quiet machine.
+#
+# Needs the programs and examples (built with scripts/test.sh, or FOLDER with them) and a Python with
+# numpy and matplotlib (Debian, Ubuntu: python3-matplotlib; or PYTHON=/path/to/venv/bin/python).
+# The pictures of EuRoC recordings are made where GLISSADE_DATA names a folder with vio/euroc_v101_semi
+# and vio/euroc_mh05_semi; without, they stay as they are.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+bin=${1:-build/release/bin}
+python=${PYTHON:-python3}
+"$python" -c 'import matplotlib, numpy' || {
+  echo "$0: $python has no matplotlib (Debian, Ubuntu: python3-matplotlib)" >&2
+  exit 2
+}
+results=$(mktemp -d)
+trap 'rm -rf "$results"' EXIT
+
+scripts/check_docs_figures.py --bin "$bin" --results "$results" --write
+
+"$python" scripts/plot_prior_weight.py "$results/sweep.json" "$results/course.json" \
+  "$results/course_off.json" docs/images --path-weights 1e-4 0.01 0.1 1 10 1e8
+"$python" scripts/plot_marginalization.py "$results/marginal.json" docs/images
+"$python" scripts/plot_gauge_study.py "$results/study.json" docs/images
+
+# H of the first example. The example is built as a user would, against an installed package.
+if cmake --install "$(dirname "$bin")" --prefix "$results/prefix" >/dev/null &&
+  cmake -S examples -B "$results/examples" "-DCMAKE_PREFIX_PATH=$results/prefix" >/dev/null &&
+  cmake --build "$results/examples" --target mono_ba_steps >/dev/null; then
+  "$results/examples/mono_ba_steps" "$results/hessian.pgm" >/dev/null
+  "$python" scripts/plot_hessian.py "$results/hessian.pgm" docs/images/mono_ba_hessian.png
+fi
+
+if [[ -n ${GLISSADE_DATA:-} && -d $GLISSADE_DATA/vio/euroc_v101_semi ]]; then
+  "$bin/gauge_study" --trials 50 --vio "$GLISSADE_DATA/vio/euroc_v101_semi" \
+    --vio "$GLISSADE_DATA/vio/euroc_mh05_semi" --json "$results/euroc.json"
+  "$python" scripts/plot_gauge_study.py --recordings "$results/euroc.json" docs/images
+else
+  echo "no GLISSADE_DATA with EuRoC recordings: their pictures and table stay as they are"
+fi
+git --no-pager diff --stat -- docs
