@@ -93,8 +93,9 @@ def written_like(value, like):
             text = re.sub(r"^(-?)0\.", r"\1.", text)
     else:
         text = f"{value:.0f}"
-    signed = like[0] in "+-" and value > 0 and float(text) != 0
-    return f"+{text}" if signed else text
+    if float(text) == 0:
+        return text.lstrip("-")
+    return f"+{text}" if like[0] in "+-" and value > 0 else text
 
 
 def agrees(stated, value, like, figure):
@@ -111,7 +112,9 @@ def agrees(stated, value, like, figure):
 def check(figure, results, documents, write):
     """Messages about what does not agree; documents are changed where asked."""
     name = figure["doc"]
-    text = documents.setdefault(name, (ROOT / name).read_text(encoding="utf-8"))
+    if name not in documents:
+        documents[name] = (ROOT / name).read_text(encoding="utf-8")
+    text = documents[name]
     match = pattern_of(figure["text"]).search(text)
     if match is None:
         return [f"{name}: does not say \"{figure['text']}\""]
@@ -128,7 +131,7 @@ def check(figure, results, documents, write):
         pieces += [text[at:match.start(k)], written_like(value, stated)]
         at = match.end(k)
     pieces.append(text[at:match.end()])
-    if write and wrong:
+    if write:
         documents[name] = text[:match.start()] + "".join(pieces) + text[match.end():]
     return wrong
 
