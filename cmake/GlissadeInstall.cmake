@@ -27,10 +27,10 @@ if(EXISTS "${PROJECT_SOURCE_DIR}/include/glissade")
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/glissade"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
 endif()
-# README.md names docs/ and examples/ beside it.
+# README.md names docs/, examples/ and data/ beside it.
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md"
               "${PROJECT_SOURCE_DIR}/CHANGELOG.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
-foreach(folder IN ITEMS docs examples)
+foreach(folder IN ITEMS docs examples data)
   if(IS_DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}")
     install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
   endif()
