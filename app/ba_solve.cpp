@@ -44,7 +44,7 @@ Columns of the table, one line per step (x: rejected):
 Examples:
   ba_solve problem-49-7776-pre.txt.gz
   ba_solve problem.txt --loss huber:2 --output solved.txt.gz
-  ba_solve problem.txt --iterations 20 --tolerance 0     exactly 20 steps
+  ba_solve data/ring.txt.gz --iterations 20 --tolerance 0     exactly 20 steps
   ba_solve problem.txt --linear-solver pcg --threads 4 --json result.json
   ba_solve problem.txt --compare-ceres                   the same with Ceres, side by side
 

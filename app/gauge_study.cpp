@@ -42,7 +42,7 @@ worlds.
 
 Examples:
   gauge_study
-  gauge_study --trials 50 --vio data/euroc_v101_semi --vio data/euroc_mh05_semi --json study.json
+  gauge_study --trials 50 --vio data/flight --vio-start 1 --json study.json
   scripts/plot_gauge_study.py study.json docs/images   draws it
 
 After Ctrl-C the configurations until then are shown and written.

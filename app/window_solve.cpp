@@ -42,11 +42,11 @@ graph from the file's numbers, and the analysis of its structure, which later so
 is the median over windows. Allocations are those of the second and later solves of a window.
 
 Examples:
-  window_solve win10.txt.gz                            8 steps of Levenberg-Marquardt each
-  window_solve win10.txt.gz --imu --json result.json
+  window_solve data/win10.txt.gz                       8 steps of Levenberg-Marquardt each
+  window_solve data/win10.txt.gz --imu --json result.json
   window_solve win50.txt.gz --method dogleg --iterations 50 --tolerance 1e-9
-  window_solve win10.txt.gz --repeat 100 --threads 2
-  window_solve win10.txt.gz --output solved.txt.gz --json - | jq .mean_final_cost
+  window_solve data/win10.txt.gz --repeat 100 --threads 2
+  window_solve data/win10.txt.gz --output solved.txt.gz --json - | jq .mean_final_cost
 
 Ctrl-C ends the solve at hand: all figures are those of the windows until then, and in --output the
 windows behind it are as they were.

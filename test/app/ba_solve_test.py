@@ -8,7 +8,7 @@ import gzip
 import math
 import random
 
-from app_test_util import HEADER, AppTest, data_folder, main
+from app_test_util import HEADER, ROOT, AppTest, data_folder, main
 
 KEYS = HEADER | {"cameras", "points", "observations", "initial_cost", "final_cost", "iterations", "status",
         "time_s", "peak_rss_mb", "method", "linear_solver", "threads"}
@@ -158,6 +158,11 @@ class BaSolve(AppTest):
         self.check_schema(both, "ceres")
         self.assertAlmostEqual(both["ceres"]["initial_cost"] / both["initial_cost"], 1, places=9)
         self.assertAlmostEqual(both["ceres"]["final_cost"] / both["final_cost"], 1, places=8)
+
+    def test_own_problem(self):
+        result = self.run_json(ROOT / "data" / "ring.txt.gz")
+        self.assertAlmostEqual(result["initial_cost"] / 22716.82, 1, delta=1e-5)
+        self.assertAlmostEqual(result["final_cost"] / 311.7207, 1, delta=1e-5)
 
     def test_published_problems(self):
         data = data_folder()

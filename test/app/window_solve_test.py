@@ -8,7 +8,7 @@ import gzip
 import random
 import statistics
 
-from app_test_util import HEADER, AppTest, data_folder, main
+from app_test_util import HEADER, ROOT, AppTest, data_folder, main
 
 KEYS = HEADER | {"windows", "median_ms", "min_ms", "p95_ms", "p99_ms", "max_ms", "build_ms", "linearize_ms",
         "eliminate_ms", "solve_ms", "cost_ms", "allocations_per_solve", "accepted_steps",
@@ -177,6 +177,14 @@ class WindowSolve(AppTest):
     def test_help(self):
         self.check_help("FILE", "--imu", "--iterations", "--method", "--gauge", "--loss", "--output",
                         "--threads", "--repeat", "--tolerance", "--json")
+
+    def test_own_windows(self):
+        for name, windows in (("win10.txt.gz", 3), ("win11m.txt.gz", 1)):
+            for kind in ((), ("--imu",)):
+                result = self.run_json(ROOT / "data" / name, *kind, "--iterations", 50,
+                                       "--tolerance", "1e-10")
+                self.check(result, windows)
+                self.assertLess(result["mean_final_cost"], 0.1 * result["mean_initial_cost"])
 
     def test_published_windows(self):
         data = data_folder()
