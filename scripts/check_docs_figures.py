@@ -7,9 +7,11 @@
 
 docs/figures.json lists commands and figures. A command is run once, with --json, and its result kept in
 the folder of results where one is given (a result that is there already is used). A figure is a piece of
-a document with `@` for each number (and `...` for what may stand there, within a cell), and for each number what it must be: a Python expression over the
-results (`study["covariance"]["relative_error"]`), in which the functions below are known. `tolerance` is
-relative (default 0.01), `absolute` is not; `factor` is for numbers that are rounding: at most so many times larger or smaller.
+a document with `@` for each number (and `...` for what else may stand in a cell), and for each number what
+it must be: a Python expression over the results (`study["covariance"]["relative_error"]`), in which the
+functions below are known. `tolerance` is relative (default 0.01), `absolute` is not; `factor` is for
+numbers that are rounding: at most so many times larger or smaller. Commands with $GLISSADE_DATA are left
+out where that folder does not have what they name.
 
 --write puts the numbers of this run into the documents, with as many digits as stood there.
 With names of commands only the figures of these are looked at.
@@ -19,6 +21,7 @@ Exit code: 0 where all agree, 1 where not, 2 where something cannot be run. Need
 
 import argparse
 import json
+import os
 import pathlib
 import re
 import statistics
@@ -59,8 +62,16 @@ KNOWN = {"row": row, "column": column, "percent": percent, "median": statistics.
 
 
 # ---- Commands ------------------------------------------------------------------------------------
+def can_run(command):
+    """Whether the data sets are here that the command names."""
+    data = os.environ.get("GLISSADE_DATA")
+    return all(pathlib.Path(word.replace("$GLISSADE_DATA", data)).exists() if data else False
+               for word in command if "$GLISSADE_DATA" in word)
+
+
 def run(name, command, folder, results):
     """The parsed result of a command."""
+    command = [os.path.expandvars(word) for word in command]
     path = results / f"{name}.json"
     if not path.exists():
         words = [str(path) if word == "{json}" else word for word in command]
@@ -151,6 +162,9 @@ def main():
         parser.error(f"docs/figures.json has no command {', '.join(sorted(unknown))}")
     wanted = {name: command for name, command in table["commands"].items()
               if not args.commands or name in args.commands}
+    for name in [name for name, command in wanted.items() if not can_run(command)]:
+        del wanted[name]
+        print(f"{name}: left out, its data are not in $GLISSADE_DATA")
 
     with tempfile.TemporaryDirectory() as temporary:
         folder = args.results or pathlib.Path(temporary)
