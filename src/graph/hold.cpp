@@ -45,13 +45,15 @@ void Graph::BeginHold(std::span<const FreeTangent> holds) {
 
 void Graph::EndHold() {
   if (!hold_.active) return;
-  for (const auto& [vertex, fix] : hold_.before) {
+  // Backwards: where a vertex was named twice, the first entry is the graph's own.
+  for (std::size_t k = hold_.before.size(); k-- > 0;) {
+    const auto& [vertex, fix] = hold_.before[k];
     const VertexSite site = Locate(vertex);
     if (site.pool != nullptr) site.pool->set_fix(site.index, fix);
   }
   free_tangents_.resize(hold_.num_own_tangents);
-  for (const auto& [index, tangent] : hold_.replaced)
-    free_tangents_[index] = tangent;
+  for (std::size_t k = hold_.replaced.size(); k-- > 0;)
+    free_tangents_[hold_.replaced[k].first] = hold_.replaced[k].second;
   // What was saved on the way belongs to the hold.
   saved_free_tangents_ = free_tangents_;
   std::swap(identity_, hold_.identity);

@@ -122,6 +122,7 @@ TEST(UserTypes, HaveTheirValidateAsked) {
   const VertexHandle<Spot> s = graph.AddVertex(Spot{{1.0, 1.0}});
   EXPECT_EQ(graph.AddEdge(EdgeSees{{0.0, 0.0}, NAN}, {h, s}).status().code(),
             StatusCode::kNotFinite);
+  graph.AcknowledgeRefusal();
   // Duplicates: without SameSensor, two on the same vertices are one observation twice.
   const auto first = Must(graph.AddEdge(EdgeSees{{0.0, 0.0}, 0.1}, {h, s}));
   const auto second = Must(graph.AddEdge(EdgeSees{{1.0, 0.0}, 0.1}, {h, s}));
