@@ -3,7 +3,6 @@
 #include "glissade/imu/buffer.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 #include "glissade/base/validate.h"
@@ -11,13 +10,6 @@
 namespace glissade {
 
 namespace {
-
-/// to - from, to >= from; the largest number where that does not fit.
-std::int64_t Gap(std::int64_t from, std::int64_t to) {
-  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
-  const std::uint64_t gap = static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from);
-  return gap > static_cast<std::uint64_t>(kMost) ? kMost : static_cast<std::int64_t>(gap);
-}
 
 bool Saturated(const Vector3& x, double range) {
   return std::abs(x[0]) >= range || std::abs(x[1]) >= range || std::abs(x[2]) >= range;
@@ -60,7 +52,7 @@ Status ImuBuffer::Add(const ImuSample& sample) {
       return {StatusCode::kInvalidArgument,
               what + ": older than the last one, of " + std::to_string(last) + " ns"};
     }
-    if (Gap(last, sample.stamp_ns) > options_.max_gap_ns) ++counts_.gaps;
+    if (NanosecondsBetween(last, sample.stamp_ns) > options_.max_gap_ns) ++counts_.gaps;
   }
   if (begin_ > 0 && samples_.size() == samples_.capacity()) {
     samples_.erase(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(begin_));
@@ -96,7 +88,7 @@ Status ImuBuffer::Between(std::int64_t begin_ns, std::int64_t end_ns, ImuInterva
   const auto first = std::upper_bound(all.begin(), all.end(), begin_ns, later) - 1;
   const auto last = std::lower_bound(first, all.end(), end_ns, earlier);
   for (auto k = first; k != last; ++k) {
-    const std::int64_t gap = Gap(k->stamp_ns, (k + 1)->stamp_ns);
+    const std::int64_t gap = NanosecondsBetween(k->stamp_ns, (k + 1)->stamp_ns);
     interval->largest_gap_ns = std::max(interval->largest_gap_ns, gap);
     if (gap > options_.max_gap_ns) ++interval->gaps;
   }

@@ -66,6 +66,7 @@ Status internal::SqrtInformation15(const double* covariance_data, double* sqrt_i
 Result<ImuFactor> MakeImuFactor(const ImuPreintegration& preintegration) {
   ImuFactor factor;
   factor.edge.imu = preintegration.imu;
+  factor.gaps = preintegration.gaps;
   if (Status s = preintegration.imu.Validate(); !s.ok()) return s;
   SquareMatrix<15> U;
   if (Status s = SqrtInformationOf(preintegration.covariance, &U); !s.ok()) return s;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/imu/preintegration.h"
 
+#include <algorithm>
 #include <string>
 
 #include "glissade/lie/so3.h"
@@ -54,6 +55,28 @@ bool Finite(const ImuPreintegration& x) {
          internal::AllFinite(&x.mean_accel, 1);
 }
 
+/// A step in a gap: the mean of what specific force and angular rate differ by from linear between
+/// the ends, taken as constant over the step.
+struct Unseen {
+  std::int64_t gap_ns = 0;  ///< whole length; 0: no gap
+  double accel = 0.0;       ///< variance per axis, (m/s^2)^2
+  double gyro = 0.0;        ///< (rad/s)^2
+
+  Unseen(const ImuSample& a, const ImuSample& b, const ImuNoise& noise) {
+    const std::int64_t step_ns = NanosecondsBetween(a.stamp_ns, b.stamp_ns);
+    const std::int64_t over_ns =
+        std::max({step_ns, a.interpolated_over_ns, b.interpolated_over_ns});
+    if (over_ns <= noise.max_gap_ns) return;
+    gap_ns = over_ns;
+    // Of a random walk held at both ends of T: its mean over T has variance T / 12. Over a part, an
+    // end of which was interpolated, at most what it has in the middle, T / 4.
+    const double T = 1e-9 * static_cast<double>(gap_ns);
+    const double part = step_ns == gap_ns ? T / 12.0 : T / 4.0;
+    accel = noise.gap_accel_walk * noise.gap_accel_walk * part;
+    gyro = noise.gap_gyro_walk * noise.gap_gyro_walk * part;
+  }
+};
+
 Status CheckSample(const ImuSample& sample) {
   if (Status s = ValidateFinite(sample.gyro.data(), 3, "gyroscope"); !s.ok()) return s;
   return ValidateFinite(sample.accel.data(), 3, "accelerometer");
@@ -82,6 +105,13 @@ Status ImuPreintegrator::Add(const ImuSample& sample) {
   if (sample.stamp_ns <= last_.stamp_ns) {
     return {StatusCode::kInvalidArgument, "IMU sample at " + std::to_string(sample.stamp_ns) +
                                               " ns is not later than the one before"};
+  }
+  const Unseen unseen(last_, sample, noise_);
+  if (unseen.gap_ns > 0 && noise_.gaps == ImuGaps::kRefuse) {
+    return {StatusCode::kInvalidArgument,
+            "no IMU reading for " + std::to_string(unseen.gap_ns) + " ns, between " +
+                std::to_string(last_.stamp_ns) + " and " + std::to_string(sample.stamp_ns) +
+                " ns: gaps of more than " + std::to_string(noise_.max_gap_ns) + " ns are refused"};
   }
   const double h = SecondsBetween(last_.stamp_ns, sample.stamp_ns);
   const PreintegratedImu& x = integral_.imu;
@@ -133,8 +163,8 @@ Status ImuPreintegrator::Add(const ImuSample& sample) {
       noise_.gyro_noise_density *
       (last_.gyro_saturated || sample.gyro_saturated ? noise_.saturation_inflation : 1.0);
   Matrix<9, 6> BQ = B;
-  BQ.leftCols<3>() *= na * na / h;
-  BQ.rightCols<3>() *= ng * ng / h;
+  BQ.leftCols<3>() *= na * na / h + unseen.accel;
+  BQ.rightCols<3>() *= ng * ng / h + unseen.gyro;
   Matrix<9, 15> AP;
   AP.noalias() = A * integral_.covariance;
   Matrix<9, 9> P;
@@ -146,6 +176,13 @@ Status ImuPreintegrator::Add(const ImuSample& sample) {
   // White noise is not constant over the step: the variance of its double integral is h^3 / 3, not
   // h^3 / 4. Keeps the covariance regular from the first step on.
   next.covariance.diagonal().segment<3>(0).array() += na * na * h * h * h / 12.0;
+  if (unseen.gap_ns > 0) {
+    // Nor is the walk in a gap: T^5 / 45, not T^5 / 48.
+    next.covariance.diagonal().segment<3>(0).array() += unseen.accel * h * h * h * h / 60.0;
+    ++next.gaps.count;
+    next.gaps.longest_ns = std::max(next.gaps.longest_ns, unseen.gap_ns);
+    next.gaps.bridged_s += h;
+  }
   const double wa = noise_.accel_random_walk, wg = noise_.gyro_random_walk;
   next.covariance.diagonal().segment<3>(9).array() += wa * wa * h;
   next.covariance.diagonal().segment<3>(12).array() += wg * wg * h;

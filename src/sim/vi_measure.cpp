@@ -48,13 +48,14 @@ namespace {
 /// IMU terms at the true biases, which go into the truth.
 Status DrawImu(const ViWorld& world, std::uint64_t seed, ViProblem* problem) {
   const ViWorldOptions& options = world.options;
-  const ImuNoise& noise = options.imu_noise;
+  ImuNoise noise = options.imu_noise;
+  noise.max_gap_ns = std::int64_t{1} << 62;  // the sensor of this world never stops, however slow
   const internal::ImuReadings readings = internal::DrawImuReadings(world, seed);
   for (std::size_t k = 0; k < readings.biases.size(); ++k) {
     problem->truth.speed_biases[k].ba() = readings.biases[k].ba;
     problem->truth.speed_biases[k].bg() = readings.biases[k].bg;
   }
-  ImuBuffer buffer({.max_gap_ns = std::int64_t{1} << 62});
+  ImuBuffer buffer({.max_gap_ns = noise.max_gap_ns});
   for (const ImuSample& sample : readings.samples) {
     if (Status s = buffer.Add(sample); !s.ok()) return s;
   }

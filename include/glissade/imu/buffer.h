@@ -14,8 +14,9 @@
 namespace glissade {
 
 struct ImuBufferOptions {
-  /// Two neighbours further apart than this are a gap: ten samples lost at 200 Hz.
-  std::int64_t max_gap_ns = 50'000'000;
+  /// Two neighbours further apart than this are counted as a gap. What becomes of one is for
+  /// preintegration to say (ImuNoise::gaps).
+  std::int64_t max_gap_ns = kMaxImuGapNs;
   /// Range of the sensors: a sample with an axis at or beyond it is marked saturated.
   double gyro_range = std::numeric_limits<double>::infinity();   ///< rad/s
   double accel_range = std::numeric_limits<double>::infinity();  ///< m/s^2
@@ -54,7 +55,8 @@ class ImuBuffer {
 
   /// Samples from begin_ns to end_ns, begin < end, with both ends interpolated where no sample has
   /// that stamp. kInvalidArgument where the buffer does not reach that far: nothing is
-  /// extrapolated. A gap is no failure; it is reported in the result.
+  /// extrapolated. A gap is no failure here; it is reported in the result,
+  /// and samples that were interpolated say over what (ImuSample::interpolated_over_ns).
   Status Between(std::int64_t begin_ns, std::int64_t end_ns, ImuInterval* interval) const;
 
   /// Forgets what is not needed for intervals that begin at or after stamp_ns: everything before

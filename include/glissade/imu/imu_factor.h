@@ -14,6 +14,7 @@ namespace glissade {
 struct ImuFactor {
   EdgeImu edge;
   EdgeOptions<EdgeImu> options;  ///< sqrt_information: U, upper triangular
+  ImuGapReport gaps;             ///< what the weight allows for
 };
 
 namespace internal {
