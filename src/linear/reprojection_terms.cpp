@@ -124,12 +124,17 @@ void ReprojectionTerms::UpdateCameras(const VertexPool<VertexPose>& poses) {
   Camera* out = cameras_.data();
   for (const Pose& T_b_c : extrinsics_) {
     for (int k = 0; k < poses.size(); ++k, ++out) {
-      const Pose T_w_c = poses.At(k).pose * T_b_c;
-      const Matrix3 R = T_w_c.R();
+      // Taken from the centre's position first: far from the world's origin the rest would lose
+      // its last digits to that distance.
+      Pose T_o_b = poses.At(k).pose;
+      for (int r = 0; r < 3; ++r)
+        T_o_b.data[r] -= origin_[r];
+      const Pose T_o_c = T_o_b * T_b_c;
+      const Matrix3 R = T_o_c.R();
       for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c)
           out->R_wc[3 * r + c] = R(r, c);
-        out->c[r] = T_w_c.data[r] - origin_[r];
+        out->c[r] = T_o_c.data[r];
       }
     }
   }
@@ -162,8 +167,8 @@ void ReprojectionTerms::Update(const Structure& structure, const Graph& graph) {
   if (plan.empty()) return;
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
   // Moments are taken about a point among the cameras, so that they do not grow with the distance
-  // from the world's origin.
-  std::copy_n(poses.At(plan.groups.front().host.pose).pose.data, 3, origin_);
+  // from the world's origin (ReprojectionPlan::kMaxReach).
+  std::copy_n(poses.At(plan.center).pose.data, 3, origin_);
   UpdateCameras(poses);
 }
 

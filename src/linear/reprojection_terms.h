@@ -14,9 +14,9 @@ namespace glissade {
 /// The fused path of NormalEquations: landmarks of a ReprojectionPlan, from residuals to the Schur
 /// complement and back, by the kernels of kernels/reprojection.h.
 ///
-/// Poses are linearized as twists about a point near the window, in which one 6-vector per residual
-/// serves host and target; sums over landmarks are mapped to the public tangent block by block,
-/// with xi = T [dp; dtheta], T = [I, [p - o]x R; 0, R].
+/// Poses are linearized as twists about the position o of the plan's center, in which one 6-vector
+/// per residual serves host and target; sums over landmarks are mapped to the public tangent block
+/// by block, with xi = T [dp; dtheta], T = [I, [p - o]x R; 0, R].
 class ReprojectionTerms {
  public:
   /// Measurements, weights and losses as arrays; once per analysis, and where weights changed.

@@ -24,9 +24,9 @@ std::int32_t RoundUp(std::int32_t lanes) {
 
 }  // namespace
 
-// Finds the landmarks that qualify: all their edges are EdgeReprojection with one host and one
-// extrinsic, and no loss but Huber's. With first estimates in full, edges on poses that have one
-// take the general path.
+// Finds the landmarks that qualify by what their edges are like, whatever the states: all are
+// EdgeReprojection with one host, one extrinsic and one host observation, and no loss but Huber's.
+// With first estimates in full, edges on poses that have one take the general path.
 void Structure::FindFusedLandmarks(const Graph& graph) {
   fused_.clear();
   const EdgePool<EdgeReprojection>* pool = graph.Pool<EdgeReprojection>();
@@ -51,7 +51,8 @@ void Structure::FindFusedLandmarks(const Graph& graph) {
       fused = refs[k].pool == pool_id &&
               (pool->loss(edge).trivial() || pool->loss(edge).As<Huber>() != nullptr) &&
               flat.index[Index(3 * edge)] == flat.index[Index(3 * first)] &&
-              pool->At(edge).SameSensor(pool->At(first));
+              pool->At(edge).SameSensor(pool->At(first)) &&
+              pool->At(edge).uv_host == pool->At(first).uv_host;
       if (fused && full) {
         fused = first_estimates.At(flat.index[Index(3 * edge)]) == nullptr &&
                 first_estimates.At(flat.index[Index(3 * edge + 1)]) == nullptr;
@@ -90,9 +91,13 @@ void Structure::FindFusedLandmarks(const Graph& graph) {
 
 void Structure::PlanReprojections(const Graph& graph, bool allow) {
   plan_.Clear();
-  if (allow) FindFusedLandmarks(graph);
-  plan_.num_landmarks = allow ? static_cast<int>(fused_.size()) : 0;
-  if (plan_.num_landmarks == 0) return;
+  if (!allow) return;
+  FindFusedLandmarks(graph);
+  if (fused_.empty()) return;
+  ChooseCenter(graph);
+  LeaveOutFarLandmarks(graph);
+  if (fused_.empty()) return;
+  plan_.num_landmarks = static_cast<int>(fused_.size());
   std::int32_t pool_id = 0;
   while (graph.edge_pools()[Index(pool_id)]->type() != &kTypeInfo<EdgeReprojection>)
     ++pool_id;
@@ -138,6 +143,7 @@ void Structure::PlanReprojections(const Graph& graph, bool allow) {
       pair_of_pose_[Index(plan_.pairs[Index(p)].target.pose)] = -1;
     }
   }
+  plan_.reach = Reach(graph);
   RemoveFusedFromGeneral();
 }
 

@@ -32,7 +32,10 @@ std::uint64_t NewAnalysis() {
 
 Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   const bool must_check = !checked_duplicates_ && !options.allow_duplicate_observations;
-  if (IsCurrent(*graph) && !must_check && fuses_ == options.fuse_reprojections) return {};
+  if (IsCurrent(*graph) && !must_check && fuses_ == options.fuse_reprojections &&
+      Reach(*graph) <= 2.0 * plan_.reach) {
+    return {};
+  }
   graph_ = 0;
   graph->Compact();
   num_pools_ = graph->edge_pools().size();

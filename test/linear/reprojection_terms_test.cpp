@@ -14,6 +14,7 @@
 #include "glissade/glissade.h"
 #include "glissade/linear/normal_equations.h"
 #include "glissade/vertices/speed_bias.h"
+#include "linear/both_paths.h"
 
 namespace glissade {
 namespace {
@@ -109,73 +110,17 @@ class Builder {
   std::mt19937_64 engine_;
 };
 
-/// Everything one path makes of a graph at one lambda.
-struct Outcome {
-  Structure structure;
-  NormalEquations equations;
-  ThreadPool threads;
-  DenseCholeskySolver solver;
-  double cost = 0.0;
-  Graph* graph;
-
-  Outcome(Graph* g, bool fuse, const DampingTerm& damping) : graph(g) {
-    EXPECT_TRUE(structure.Analyze(g, {.fuse_reprojections = fuse}).ok());
-    Status status = equations.Linearize(structure, g, &threads, &cost);
-    EXPECT_TRUE(status.ok()) << status.message();
-    status = equations.Eliminate(structure, *g, damping, &threads);
-    EXPECT_TRUE(status.ok()) << status.message();
-    LinearSolverResult result;
-    status = equations.Solve(structure, *g, &solver, &threads, &result);
-    EXPECT_TRUE(status.ok()) << status.message();
-  }
-  [[nodiscard]] double StepOf(int pool, int index, int k) const {
-    const std::int32_t offset = structure.step_offsets(pool)[static_cast<std::size_t>(index)];
-    return offset < 0 ? 0.0 : equations.step()[static_cast<std::size_t>(offset + k)];
-  }
-};
-
 void ExpectSame(const Scene& scene, unsigned seed, double tolerance) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   Graph graph = Builder(seed).Build(scene);
   for (const bool identity : {false, true}) {
     // Enough to make the step comparable where the gauge is free.
     const DampingTerm damping{.lambda = identity ? 1e4 : 0.1, .identity = identity};
-    Outcome fused(&graph, true, damping), general(&graph, false, damping);
+    test::PathOutcome fused(&graph, true, damping), general(&graph, false, damping);
     // It would prove nothing if landmarks took the general path in both.
     EXPECT_EQ(fused.structure.landmarks().empty(), !scene.tukey);
     EXPECT_GT(fused.structure.reprojections().num_landmarks, 0);
-    EXPECT_NEAR(fused.cost, general.cost, 1e-12 * general.cost);
-    EXPECT_NEAR(fused.equations.MaxGradient(), general.equations.MaxGradient(),
-                tolerance * general.equations.MaxGradient());
-    EXPECT_NEAR(fused.equations.MaxDiagonal(), general.equations.MaxDiagonal(),
-                tolerance * general.equations.MaxDiagonal());
-    const ReducedSystem a = fused.equations.reduced(), b = general.equations.reduced();
-    ASSERT_EQ(a.size, b.size);
-    for (int i = 0; i < a.size; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        ASSERT_NEAR(a(i, j), b(i, j), tolerance * std::sqrt(b(i, i) * b(j, j))) << i << ' ' << j;
-      }
-    }
-    double b_max = 0.0;
-    for (int i = 0; i < b.size; ++i)
-      b_max = std::max(b_max, std::abs(b.b[i]));
-    for (int i = 0; i < b.size; ++i)
-      ASSERT_NEAR(a.b[i], b.b[i], tolerance * b_max) << i;
-    double step_max = 0.0;
-    for (const double x : general.equations.step())
-      step_max = std::max(step_max, std::abs(x));
-    for (const auto& pool : graph.vertex_pools()) {
-      for (int k = 0; k < pool->size(); ++k) {
-        for (int i = 0; i < pool->ops().tangent_dim; ++i) {
-          ASSERT_NEAR(fused.StepOf(pool->id(), k, i), general.StepOf(pool->id(), k, i),
-                      1e3 * tolerance * step_max)
-              << pool->ops().type->name << ' ' << k;
-        }
-      }
-    }
-    double cost_again = 0.0;
-    EXPECT_TRUE(fused.equations.Cost(fused.structure, graph, &fused.threads, &cost_again).ok());
-    EXPECT_NEAR(cost_again, general.cost, 1e-12 * general.cost);
+    test::ExpectSame(&fused, general, tolerance);
   }
 }
 

@@ -40,10 +40,22 @@ struct ReprojectionBlock {
 };
 
 /// Which landmarks go through the fused kernels (kernels/reprojection.h), and how they are laid
-/// out: inverse depths that only EdgeReprojection of one host and camera touch, with no loss or
-/// Huber's. All others take the general path; the two add up to the same system.
+/// out. All others take the general path; the two add up to the same system. A landmark is fused if
+/// - it is an inverse depth that only EdgeReprojection touches, each from another target;
+/// - its edges have one host, one camera (T_b_c) and one uv_host, equal to the bit;
+/// - they have no loss or Huber's (any width; any information);
+/// - none of its poses has a first estimate, where those are used in full;
+/// - its poses are not too far from the center, seen from the landmark: see kMaxReach.
 struct ReprojectionPlan {
   static constexpr std::int32_t kLaneBlock = 8;
+  /// Poses are linearized as twists about one point o, the position of the pose `center`. That
+  /// leaves the rotation's part of a Jacobian as the difference of two moments that grow with
+  /// |p - o|, where the part itself goes with |X - p|, the distance to the landmark: H is right to
+  /// (|p - o| / |X - p|)^2 roundings. A landmark for which that ratio is above kMaxReach at one of
+  /// its poses takes the general path, which knows no center. At 1000, H keeps nine digits.
+  /// The ratio is that of the states at the time of the analysis. Analyze() looks again where poses
+  /// have gone away from the center, twice as far as the farthest then was.
+  static constexpr double kMaxReach = 1e3;
 
   std::vector<ReprojectionGroup> groups;
   std::vector<ReprojectionPair> pairs;
@@ -55,6 +67,11 @@ struct ReprojectionPlan {
   std::vector<std::int32_t> block_map;
   std::vector<std::int32_t> chunk_begin;  ///< groups of chunk c: [chunk_begin[c], chunk_begin[c+1])
   std::int32_t first_step = 0;            ///< offset of lane 0 in the landmark step
+  /// Dense index of a hosting pose: the one nearest to the median of the hosts' positions (by
+  /// coordinate, each host counted with its landmarks). Neither the world's origin nor a cluster or
+  /// a pose far away from most landmarks moves it.
+  std::int32_t center = -1;
+  double reach = 0.0;  ///< distance of the farthest pose from it at the time of the analysis (m)
   int num_landmarks = 0;
   int num_edges = 0;
   static constexpr std::int32_t kNoBlock = INT32_MIN;
@@ -68,6 +85,8 @@ struct ReprojectionPlan {
     block_map.clear();
     chunk_begin.clear();
     first_step = num_landmarks = num_edges = 0;
+    center = -1;
+    reach = 0.0;
   }
   [[nodiscard]] bool empty() const { return groups.empty(); }
 };

@@ -54,14 +54,16 @@ struct StructureOptions {
   bool fuse_reprojections = true;
 };
 
-/// What follows from the graph's topology alone, without a number in it: order of the variables,
-/// edges per landmark, block sparsity, where each edge adds what, and how the work is cut.
+/// What follows from the graph's topology alone: order of the variables, edges per landmark, block
+/// sparsity, where each edge adds what, and how the work is cut. States decide one thing only,
+/// which landmarks the fused kernels may have (ReprojectionPlan::kMaxReach).
 ///
 /// Computed once and kept until the graph's structure changes. The cut into chunks depends on the
 /// problem only, never on the number of threads: same input, same bits.
 class Structure {
  public:
-  /// Analyzes anew if the graph has changed since the last time (compacting it); cheap otherwise.
+  /// Analyzes anew if the graph has changed since the last time (compacting it), or if its poses
+  /// have moved too far apart for reprojections(); cheap otherwise.
   /// Fails, naming both edges, on an observation that is in the graph twice.
   Status Analyze(Graph* graph, const StructureOptions& options = {});
   /// Whether the last analysis was of this graph as it is now.
@@ -129,6 +131,9 @@ class Structure {
   std::int32_t PairOffset(std::int32_t row, std::int32_t col);
   void GrowPairTable();
   void FindFusedLandmarks(const Graph& graph);
+  void ChooseCenter(const Graph& graph);
+  void LeaveOutFarLandmarks(const Graph& graph);
+  [[nodiscard]] double Reach(const Graph& graph) const;
   void PlanReprojections(const Graph& graph, bool allow);
   void LayOutGroup(ReprojectionGroup* group);
   void RemoveFusedFromGeneral();
@@ -201,6 +206,11 @@ class Structure {
     std::int32_t group, length, landmark;
   };
   std::vector<FusedLandmark> fused_;
+  struct WeightedCoordinate {
+    double value;
+    std::int64_t landmarks;
+  };
+  std::vector<WeightedCoordinate> coordinates_;
   std::vector<std::uint8_t> is_fused_;
   std::vector<std::int32_t> group_of_host_, pair_of_pose_, frames_, chain_of_row_, next_in_row_;
 };

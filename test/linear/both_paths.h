@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "glissade/linear/normal_equations.h"
+
+/// \file
+/// The fused reprojection path against the general one.
+namespace glissade::test {
+
+/// Everything one path makes of a graph at one lambda.
+struct PathOutcome {
+  Structure structure;
+  NormalEquations equations;
+  ThreadPool threads;
+  DenseCholeskySolver solver;
+  double cost = 0.0;
+  Graph* graph;
+
+  PathOutcome(Graph* g, bool fuse, const DampingTerm& damping) : graph(g) {
+    EXPECT_TRUE(
+        structure.Analyze(g, {.allow_duplicate_observations = true, .fuse_reprojections = fuse})
+            .ok());
+    Run(damping);
+  }
+  void Run(const DampingTerm& damping) {
+    Status status = equations.Linearize(structure, graph, &threads, &cost);
+    EXPECT_TRUE(status.ok()) << status.message();
+    status = equations.Eliminate(structure, *graph, damping, &threads);
+    EXPECT_TRUE(status.ok()) << status.message();
+    LinearSolverResult result;
+    status = equations.Solve(structure, *graph, &solver, &threads, &result);
+    EXPECT_TRUE(status.ok()) << status.message();
+  }
+  /// values: in the order of step().
+  [[nodiscard]] double Of(const std::vector<double>& values, int pool, int index, int k) const {
+    const std::int32_t offset = structure.step_offsets(pool)[static_cast<std::size_t>(index)];
+    return offset < 0 ? 0.0 : values[static_cast<std::size_t>(offset + k)];
+  }
+  /// H_pp as a dense matrix, row by row.
+  [[nodiscard]] std::vector<double> PoseHessian() const {
+    const int n = structure.num_pose_scalars();
+    std::vector<double> H(static_cast<std::size_t>(n * n), 0.0);
+    for (const PoseBlockPair& pair : structure.h_blocks()) {
+      const PoseBlock& row = structure.poses()[static_cast<std::size_t>(pair.row)];
+      const PoseBlock& col = structure.poses()[static_cast<std::size_t>(pair.col)];
+      for (int r = 0; r < row.dim; ++r) {
+        for (int c = 0; c < col.dim; ++c) {
+          const double value =
+              equations.h_pp()[static_cast<std::size_t>(pair.offset + r * col.dim + c)];
+          H[static_cast<std::size_t>((row.offset + r) * n + col.offset + c)] = value;
+          H[static_cast<std::size_t>((col.offset + c) * n + row.offset + r)] = value;
+        }
+      }
+    }
+    return H;
+  }
+};
+
+/// Cost, H, b, S, b_s and the step; H and S in units of their own diagonals, the step to
+/// 1e3 * tolerance of its largest number.
+inline void ExpectSame(PathOutcome* fused, const PathOutcome& general, double tolerance) {
+  const Graph& graph = *general.graph;
+  EXPECT_NEAR(fused->cost, general.cost, 1e-12 * general.cost);
+  EXPECT_NEAR(fused->equations.MaxGradient(), general.equations.MaxGradient(),
+              tolerance * general.equations.MaxGradient());
+  EXPECT_NEAR(fused->equations.MaxDiagonal(), general.equations.MaxDiagonal(),
+              tolerance * general.equations.MaxDiagonal());
+
+  const auto n = static_cast<std::size_t>(general.structure.num_pose_scalars());
+  const std::vector<double> H_a = fused->PoseHessian(), H_b = general.PoseHessian();
+  ASSERT_EQ(H_a.size(), H_b.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      ASSERT_NEAR(H_a[i * n + j], H_b[i * n + j],
+                  tolerance * std::sqrt(H_b[i * n + i] * H_b[j * n + j]))
+          << "H " << i << ' ' << j;
+    }
+  }
+  const ReducedSystem a = fused->equations.reduced(), b = general.equations.reduced();
+  ASSERT_EQ(a.size, b.size);
+  for (int i = 0; i < a.size; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      ASSERT_NEAR(a(i, j), b(i, j), tolerance * std::sqrt(b(i, i) * b(j, j)))
+          << "S " << i << ' ' << j;
+    }
+  }
+  double b_max = 0.0;
+  for (int i = 0; i < b.size; ++i)
+    b_max = std::max(b_max, std::abs(b.b[i]));
+  for (int i = 0; i < b.size; ++i)
+    ASSERT_NEAR(a.b[i], b.b[i], tolerance * b_max) << "b_s " << i;
+  double step_max = 0.0;
+  for (const double x : general.equations.step())
+    step_max = std::max(step_max, std::abs(x));
+  for (const auto& pool : graph.vertex_pools()) {
+    const int id = pool->id();
+    for (int k = 0; k < pool->size(); ++k) {
+      for (int i = 0; i < pool->ops().tangent_dim; ++i) {
+        const double h = general.Of(general.equations.diagonal(), id, k, i);
+        ASSERT_NEAR(fused->Of(fused->equations.diagonal(), id, k, i), h, tolerance * h)
+            << "H " << pool->ops().type->name << ' ' << k;
+        // A gradient is a sum of products of columns of the Jacobian with residuals.
+        ASSERT_NEAR(fused->Of(fused->equations.b(), id, k, i),
+                    general.Of(general.equations.b(), id, k, i),
+                    tolerance * std::sqrt(2.0 * h * general.cost))
+            << "b " << pool->ops().type->name << ' ' << k;
+        ASSERT_NEAR(fused->Of(fused->equations.step(), id, k, i),
+                    general.Of(general.equations.step(), id, k, i), 1e3 * tolerance * step_max)
+            << "step " << pool->ops().type->name << ' ' << k;
+      }
+    }
+  }
+  double cost_again = 0.0;
+  EXPECT_TRUE(fused->equations.Cost(fused->structure, graph, &fused->threads, &cost_again).ok());
+  EXPECT_NEAR(cost_again, general.cost, 1e-12 * general.cost);
+  EXPECT_NEAR(cost_again, graph.Cost().value(), 1e-12 * general.cost);
+}
+
+}  // namespace glissade::test
