@@ -68,7 +68,7 @@ void Structure::FindFusedLandmarks(const Graph& graph) {
     const std::int32_t host = flat.index[Index(3 * first)];
     std::int32_t group = group_of_host_[Index(host)];
     while (group >= 0 && !pool->At(first).SameSensor(pool->At(groups[Index(group)].edge))) {
-      group = groups[Index(group)].map_begin;  // the link, until LayOutGroup sets it
+      group = groups[Index(group)].map_begin;  // the link, until FinishReprojectionPlan sets it
     }
     if (group < 0) {
       group = static_cast<std::int32_t>(groups.size());
