@@ -3,7 +3,7 @@
 #pragma once
 
 /// \file
-/// Everything one needs to build and solve a problem. Rooms apart from this (io, sim, bridge,
+/// Everything one needs to build and solve a problem. Modules apart from this (io, sim, bridge,
 /// testing) are included by name.
 
 #include "glissade/covariance/transform.h"

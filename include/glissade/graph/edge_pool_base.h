@@ -17,7 +17,7 @@ namespace glissade {
 /// More vertices than that make a dynamic edge.
 inline constexpr int kMaxTypedArity = 16;
 
-/// All edges of one type (or all dynamic edges), as the rooms below the graph see them.
+/// All edges of one type (or all dynamic edges), as the modules below the graph see them.
 class EdgePoolBase {
  public:
   explicit EdgePoolBase(const TypeInfo* type) : type_(type) {}

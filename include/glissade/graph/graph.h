@@ -183,7 +183,7 @@ class Graph {
   /// none. Charts that fit their restored poses are restored, others are anchored anew.
   Status RestoreSnapshot(const Snapshot& snapshot);
 
-  // --- For the rooms below ------------------------------------------------------------------
+  // --- For the modules below ----------------------------------------------------------------
   /// Remembers the status of a call that was refused, if it is the first; returns it.
   Status Refused(Status status);
   /// Why a handle is unknown: null, removed, or of another graph.
