@@ -10,5 +10,9 @@ template class VertexPool<VertexInverseDepth>;
 template class VertexPool<VertexPointXYZ>;
 template class VertexPool<VertexCameraBal>;
 template class VertexPool<VertexSpeedBias>;
+template class VertexPool<VertexVector<1>>;
+template class VertexPool<VertexVector<2>>;
+template class VertexPool<VertexVector<3>>;
+template class VertexPool<VertexVector<4>>;
 
 }  // namespace glissade

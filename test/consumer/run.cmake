@@ -22,3 +22,6 @@ step("${CMAKE_COMMAND}" -S "${SOURCE_DIR}" -B "${WORK_DIR}" -DCMAKE_BUILD_TYPE=R
      ${ARGUMENTS})
 step("${CMAKE_COMMAND}" --build "${WORK_DIR}" --config Release --verbose)
 step("${WORK_DIR}/consumer")
+if(EXISTS "${WORK_DIR}/readme")
+  step("${WORK_DIR}/readme")
+endif()

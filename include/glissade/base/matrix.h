@@ -11,6 +11,10 @@
 /// 16, 32 or 64 bytes depending on the instruction set a translation unit is compiled for, so that
 /// a library built for plain x86-64 and a program built with -march=native would disagree about the
 /// layout of every struct that holds one. With DontAlign the layout is the same everywhere.
+///
+/// A function of matrices in a widely included header is a template, if need be with a parameter
+/// that nobody gives (`template <int = 0>`): the expressions in its body are then compiled where it
+/// is called, and not in every translation unit that includes the header.
 namespace glissade {
 
 namespace internal {

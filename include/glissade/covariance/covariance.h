@@ -41,10 +41,12 @@ struct JointCovariance {
   [[nodiscard]] int size() const { return offsets.empty() ? 0 : offsets.back(); }
   /// Index in vertices, -1 if not there.
   [[nodiscard]] int IndexOf(AnyVertex vertex) const;
+  template <int = 0>
   [[nodiscard]] Eigen::MatrixXd Matrix() const {
     return Eigen::Map<const Eigen::MatrixXd>(values.data(), size(), size());
   }
   /// Cov(a, b), tangent dimension of a x that of b. Empty for vertices that are not there.
+  template <int = 0>
   [[nodiscard]] Eigen::MatrixXd Block(AnyVertex a, AnyVertex b) const {
     const int i = IndexOf(a), j = IndexOf(b);
     if (i < 0 || j < 0) return {};
@@ -52,7 +54,10 @@ struct JointCovariance {
     return Eigen::Map<const Eigen::MatrixXd>(values.data(), size(), size())
         .block(at(i), at(j), at(i + 1) - at(i), at(j + 1) - at(j));
   }
-  [[nodiscard]] Eigen::MatrixXd Block(AnyVertex vertex) const { return Block(vertex, vertex); }
+  template <int = 0>
+  [[nodiscard]] Eigen::MatrixXd Block(AnyVertex vertex) const {
+    return Block(vertex, vertex);
+  }
 };
 
 /// Marginal covariances, H^-1 of the linearization at the present values, through the elimination:

@@ -30,6 +30,7 @@ struct EdgeImu {
   /// Gravity acceleration in the world (m/s^2).
   Vector3 gravity = Vector3(0.0, 0.0, -9.81);
 
+  template <int = 0>
   bool Evaluate(const VertexPose& pose_i, const VertexSpeedBias& sb_i, const VertexPose& pose_j,
                 const VertexSpeedBias& sb_j, Vector<15>& r, Jacobian<15, 6>* d_r_d_pose_i,
                 Jacobian<15, 9>* d_r_d_sb_i, Jacobian<15, 6>* d_r_d_pose_j,

@@ -17,6 +17,7 @@ struct EdgePosePriorVec {
 
   Pose T_w_b;
 
+  template <int = 0>
   bool Evaluate(const VertexPose& pose, Vector6& r, Jacobian<6, 6>* d_r_d_pose) const {
     const Quaternion error = WithPositiveW(T_w_b.q().conjugate() * pose.pose.q());
     r.head<3>() = pose.pose.p() - T_w_b.p();

@@ -17,6 +17,7 @@ struct EdgeRelativePose {
 
   Pose T_i_j;
 
+  template <int = 0>
   bool Evaluate(const VertexPose& pose_i, const VertexPose& pose_j, Vector6& r,
                 Jacobian<6, 6>* d_r_d_i, Jacobian<6, 6>* d_r_d_j) const {
     const Matrix3 R_w_i = pose_i.pose.R();

@@ -16,6 +16,7 @@ struct EdgeSE3Prior {
 
   Pose T_w_b;
 
+  template <int = 0>
   bool Evaluate(const VertexPose& pose, Vector6& r, Jacobian<6, 6>* d_r_d_pose) const {
     pose.Minus(VertexPose{T_w_b}, r.data());
     if (d_r_d_pose) {

@@ -15,6 +15,7 @@ struct EdgeSpeedBiasPrior {
 
   VertexSpeedBias prior;
 
+  template <int = 0>
   bool Evaluate(const VertexSpeedBias& speed_bias, Vector<9>& r,
                 Jacobian<9, 9>* d_r_d_speed_bias) const {
     speed_bias.Minus(prior, r.data());

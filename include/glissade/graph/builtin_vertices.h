@@ -11,6 +11,7 @@
 #include "glissade/vertices/point_xyz.h"
 #include "glissade/vertices/pose.h"
 #include "glissade/vertices/speed_bias.h"
+#include "glissade/vertices/vector.h"
 
 namespace glissade {
 
@@ -19,5 +20,9 @@ extern template class VertexPool<VertexInverseDepth>;
 extern template class VertexPool<VertexPointXYZ>;
 extern template class VertexPool<VertexCameraBal>;
 extern template class VertexPool<VertexSpeedBias>;
+extern template class VertexPool<VertexVector<1>>;
+extern template class VertexPool<VertexVector<2>>;
+extern template class VertexPool<VertexVector<3>>;
+extern template class VertexPool<VertexVector<4>>;
 
 }  // namespace glissade

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "glissade/base/status.h"
+#include "glissade/edges/diagnostics.h"
 #include "glissade/graph/dynamic_edge_pool.h"
 #include "glissade/graph/edge_options.h"
 #include "glissade/graph/edge_pool.h"
@@ -16,6 +18,7 @@
 #include "glissade/graph/hold.h"
 #include "glissade/graph/snapshot.h"
 #include "glissade/graph/vertex_pool.h"
+#include "glissade/vertices/diagnostics.h"
 
 namespace glissade {
 
@@ -50,7 +53,8 @@ class Graph {
   Graph& operator=(const Graph&) = delete;
 
   // --- Building -----------------------------------------------------------------------------
-  template <VertexType V>
+  /// V: a VertexType.
+  template <class V>
   Result<VertexHandle<V>> AddVertex(const V& value);
   /// All or nothing.
   template <VertexType V>
@@ -59,9 +63,11 @@ class Graph {
   /// Refuses: dead handles and those of other graphs, one vertex twice, two eliminated vertices, a
   /// measurement that its type declares invalid, information that is not finite or not positive
   /// semi-definite.
-  template <EdgeType E>
-  Result<EdgeHandle<E>> AddEdge(const E& edge, const EdgeVertexHandles<E>& vertices,
-                                const EdgeOptions<E>& options = {});
+  /// E: an EdgeType. Not a constraint, so that the compiler says in one line what is wrong with an
+  /// edge or its handles (edges/diagnostics.h).
+  template <class E>
+  requires(!std::is_constructible_v<std::unique_ptr<DynamicEdge>, E>) Result<EdgeHandle<E>> AddEdge(
+      const E& edge, const EdgeVertices<E>& vertices, const EdgeOptions<E>& options = {});
   /// All or nothing; the options hold for each.
   template <EdgeType E>
   Result<std::vector<EdgeHandle<E>>> AddEdges(std::span<const E> edges,

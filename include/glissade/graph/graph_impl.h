@@ -52,11 +52,16 @@ Status Graph::CheckVertex(const V& value) const {
   return internal::About(internal::ValidateIfPossible(value), kTypeInfo<V>.name);
 }
 
-template <VertexType V>
+template <class V>
 Result<VertexHandle<V>> Graph::AddVertex(const V& value) {
-  if (Status status = CheckVertex(value); !status.ok()) return Refused(std::move(status));
-  StructureChanged();
-  return MakePool<V>().Add(value, structure_version_, Id());
+  if constexpr (!VertexType<V>) {
+    internal::ExplainVertex<V>();
+    return Status();
+  } else {
+    if (Status status = CheckVertex(value); !status.ok()) return Refused(std::move(status));
+    StructureChanged();
+    return MakePool<V>().Add(value, structure_version_, Id());
+  }
 }
 
 template <VertexType V>
@@ -86,17 +91,23 @@ Status Graph::CheckEdge(const E& edge, const EdgeVertexHandles<E>& vertices) con
   return internal::About(internal::ValidateIfPossible(edge), kTypeInfo<E>.name);
 }
 
-template <EdgeType E>
-Result<EdgeHandle<E>> Graph::AddEdge(const E& edge, const EdgeVertexHandles<E>& vertices,
-                                     const EdgeOptions<E>& options) {
-  SquareMatrix<E::kResidualDim> sqrt;
-  bool identity = true;
-  Status status = CheckEdge(edge, vertices);
-  if (status.ok()) status = CheckOptions(options, &sqrt, &identity);
-  if (!status.ok()) return Refused(std::move(status));
-  StructureChanged();
-  return MakeEdgePool<E>().Add(edge, vertices, sqrt.data(), identity, options.loss,
-                               structure_version_, Id());
+template <class E>
+requires(!std::is_constructible_v<std::unique_ptr<DynamicEdge>, E>)
+    Result<EdgeHandle<E>> Graph::AddEdge(const E& edge, const EdgeVertices<E>& vertices,
+                                         const EdgeOptions<E>& options) {
+  if constexpr (!EdgeType<E>) {
+    internal::ExplainEdge<E>();
+    return Status();
+  } else {
+    SquareMatrix<E::kResidualDim> sqrt;
+    bool identity = true;
+    Status status = CheckEdge(edge, vertices.handles());
+    if (status.ok()) status = CheckOptions(options, &sqrt, &identity);
+    if (!status.ok()) return Refused(std::move(status));
+    StructureChanged();
+    return MakeEdgePool<E>().Add(edge, vertices.handles(), sqrt.data(), identity, options.loss,
+                                 structure_version_, Id());
+  }
 }
 
 template <EdgeType E>

@@ -24,7 +24,8 @@ Status SqrtInformation15(const double* covariance, double* sqrt_information);  /
 /// U, upper triangular, with U' U = covariance^-1 (order of EdgeImu). Factored after scaling to a
 /// unit diagonal, so that units do not matter. kNotFinite, or kNotPositive where a pivot of the
 /// scaled matrix is under 1e-13; then U is left as it was. Nothing not finite gets out.
-inline Status SqrtInformationOf(const SquareMatrix<15>& covariance, SquareMatrix<15>* U) {
+template <int = 0>
+Status SqrtInformationOf(const SquareMatrix<15>& covariance, SquareMatrix<15>* U) {
   return internal::SqrtInformation15(covariance.data(), U->data());
 }
 

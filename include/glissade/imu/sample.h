@@ -43,7 +43,8 @@ inline std::int64_t NanosecondsBetween(std::int64_t from, std::int64_t to) {
 
 /// What the sensor would have read at `stamp_ns`, linearly between two samples: a.stamp_ns <=
 /// stamp_ns <= b.stamp_ns, not all equal. Saturated where one of the two was and has a part in it.
-inline ImuSample Interpolate(const ImuSample& a, const ImuSample& b, std::int64_t stamp_ns) {
+template <int = 0>
+ImuSample Interpolate(const ImuSample& a, const ImuSample& b, std::int64_t stamp_ns) {
   if (stamp_ns == a.stamp_ns) return a;
   if (stamp_ns == b.stamp_ns) return b;
   const double t = SecondsBetween(a.stamp_ns, stamp_ns) / SecondsBetween(a.stamp_ns, b.stamp_ns);

@@ -22,7 +22,10 @@ struct Pose {
   Pose(const Quaternion& q_a_b, const Vector3& p_a_b)
       : data{p_a_b[0], p_a_b[1], p_a_b[2], q_a_b.x(), q_a_b.y(), q_a_b.z(), q_a_b.w()} {}
   /// R_a_b must be a rotation matrix up to rounding.
-  Pose(const Matrix3& R_a_b, const Vector3& p_a_b) : Pose(Quaternion(R_a_b), p_a_b) { Normalize(); }
+  template <int = 0>
+  Pose(const Matrix3& R_a_b, const Vector3& p_a_b) : Pose(Quaternion(R_a_b), p_a_b) {
+    Normalize();
+  }
 
   [[nodiscard]] Eigen::Map<const Vector3> p() const { return Eigen::Map<const Vector3>(data); }
   [[nodiscard]] Eigen::Map<Vector3> p() { return Eigen::Map<Vector3>(data); }
@@ -36,9 +39,13 @@ struct Pose {
   }
 
   /// Rotation matrix R_a_b.
-  [[nodiscard]] Matrix3 R() const { return RotationMatrix(data + 3); }
+  template <int = 0>
+  [[nodiscard]] Matrix3 R() const {
+    return RotationMatrix(data + 3);
+  }
 
   /// T_b_a.
+  template <int = 0>
   [[nodiscard]] Pose Inverse() const {
     const Quaternion q_b_a(data[6], -data[3], -data[4], -data[5]);
     return Pose(q_b_a, -(RotationMatrix(q_b_a.coeffs().data()) * p()));
@@ -55,10 +62,12 @@ struct Pose {
   }
 
   /// T_a_c = T_a_b T_b_c.
+  template <int = 0>
   friend Pose operator*(const Pose& T_a_b, const Pose& T_b_c) {
     return Pose(Quaternion(T_a_b.q() * T_b_c.q()), T_a_b * Vector3(T_b_c.p()));
   }
   /// x_a = T_a_b x_b.
+  template <int = 0>
   friend Vector3 operator*(const Pose& T_a_b, const Vector3& x_b) {
     return T_a_b.R() * x_b + T_a_b.p();
   }

@@ -12,7 +12,8 @@ namespace glissade {
 using Quaternion = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 /// Rotation matrix of a unit quaternion given as x y z w.
-inline Matrix3 RotationMatrix(const double q[4]) {
+template <int = 0>
+Matrix3 RotationMatrix(const double q[4]) {
   const double x2 = 2.0 * q[0], y2 = 2.0 * q[1], z2 = 2.0 * q[2];
   const double xx = q[0] * x2, yy = q[1] * y2, zz = q[2] * z2;
   const double xy = q[0] * y2, xz = q[0] * z2, yz = q[1] * z2;

@@ -12,19 +12,22 @@
 namespace glissade {
 
 /// e or -e, whichever has w >= 0.
-inline Quaternion WithPositiveW(const Quaternion& e) {
+template <int = 0>
+Quaternion WithPositiveW(const Quaternion& e) {
   return e.w() < 0.0 ? Quaternion(-e.w(), -e.x(), -e.y(), -e.z()) : e;
 }
 
 /// d 2 vec(e Exp(d)) / d d at d = 0.
-inline Matrix3 TwoVecRightJacobian(const Quaternion& e) {
+template <int = 0>
+Matrix3 TwoVecRightJacobian(const Quaternion& e) {
   Matrix3 m = so3::Hat(e.vec());
   m.diagonal().array() += e.w();
   return m;
 }
 
 /// d 2 vec(Exp(d) e) / d d at d = 0.
-inline Matrix3 TwoVecLeftJacobian(const Quaternion& e) {
+template <int = 0>
+Matrix3 TwoVecLeftJacobian(const Quaternion& e) {
   return TwoVecRightJacobian(e).transpose();
 }
 

@@ -14,6 +14,8 @@
 ///
 /// All functions are accurate to a few rounding errors from phi = 0 to |phi| = pi and beyond,
 /// except the inverse Jacobians, which do not exist at |phi| = 2 pi. NaN in, NaN out.
+///
+/// They are templates (base/matrix.h) to spare compile time; none has a parameter to give.
 namespace glissade::so3 {
 
 namespace internal {
@@ -67,7 +69,8 @@ inline double InverseJacobianCoefficient(double x) {
 }
 
 /// I + a [phi]x + b [phi]x^2.
-inline Matrix3 Polynomial(const Vector3& phi, double a, double b) {
+template <int = 0>
+Matrix3 Polynomial(const Vector3& phi, double a, double b) {
   const double x = phi[0], y = phi[1], z = phi[2];
   const double bxy = b * x * y, bxz = b * x * z, byz = b * y * z;
   const double ax = a * x, ay = a * y, az = a * z;
@@ -81,7 +84,8 @@ inline Matrix3 Polynomial(const Vector3& phi, double a, double b) {
 }  // namespace internal
 
 /// [v]x, the matrix with [v]x u = v x u.
-inline Matrix3 Hat(const Vector3& v) {
+template <int = 0>
+Matrix3 Hat(const Vector3& v) {
   Matrix3 m;
   m << 0.0, -v[2], v[1],  //
       v[2], 0.0, -v[0],   //
@@ -90,13 +94,15 @@ inline Matrix3 Hat(const Vector3& v) {
 }
 
 /// Rotation matrix of a rotation vector (Rodrigues' formula).
-inline Matrix3 Exp(const Vector3& phi) {
+template <int = 0>
+Matrix3 Exp(const Vector3& phi) {
   const internal::Coefficients k = internal::CoefficientsAt(phi.squaredNorm());
   return internal::Polynomial(phi, k.a, k.b);
 }
 
 /// Unit quaternion of a rotation vector; w >= 0 for |phi| <= pi.
-inline Quaternion ExpQuaternion(const Vector3& phi) {
+template <int = 0>
+Quaternion ExpQuaternion(const Vector3& phi) {
   const double x = 0.25 * phi.squaredNorm();  // square of the half angle
   double w, s;
   if (x < internal::kSeriesLimit) {
@@ -112,7 +118,8 @@ inline Quaternion ExpQuaternion(const Vector3& phi) {
 
 /// Rotation vector of a quaternion, 0 <= |phi| <= pi. q and -q give the same phi, except at exactly
 /// w = 0, where both +-phi are valid. Insensitive to the norm of q; q = 0 gives 0.
-inline Vector3 Log(const Quaternion& q) {
+template <int = 0>
+Vector3 Log(const Quaternion& q) {
   const double sign = q.w() < 0.0 ? -1.0 : 1.0;
   const double w = sign * q.w();
   const Vector3 v(sign * q.x(), sign * q.y(), sign * q.z());
@@ -133,36 +140,42 @@ inline Vector3 Log(const Quaternion& q) {
 
 /// Rotation vector of a rotation matrix, 0 <= |phi| <= pi, through the quaternion's largest
 /// component, so that it loses no digits near 0 or near pi.
-inline Vector3 Log(const Matrix3& R) {
+template <int = 0>
+Vector3 Log(const Matrix3& R) {
   return Log(Quaternion(R));
 }
 
 /// Right Jacobian: Exp(phi + d) = Exp(phi) Exp(Jr(phi) d) to first order in d.
-inline Matrix3 Jr(const Vector3& phi) {
+template <int = 0>
+Matrix3 Jr(const Vector3& phi) {
   const internal::Coefficients k = internal::CoefficientsAt(phi.squaredNorm());
   return internal::Polynomial(phi, -k.b, k.c);
 }
 
 /// Left Jacobian: Exp(phi + d) = Exp(Jl(phi) d) Exp(phi) to first order in d.
-inline Matrix3 Jl(const Vector3& phi) {
+template <int = 0>
+Matrix3 Jl(const Vector3& phi) {
   const internal::Coefficients k = internal::CoefficientsAt(phi.squaredNorm());
   return internal::Polynomial(phi, k.b, k.c);
 }
 
 /// Exp(phi) and Jl(phi) for the price of one.
-inline void ExpAndJl(const Vector3& phi, Matrix3& R, Matrix3& left_jacobian) {
+template <int = 0>
+void ExpAndJl(const Vector3& phi, Matrix3& R, Matrix3& left_jacobian) {
   const internal::Coefficients k = internal::CoefficientsAt(phi.squaredNorm());
   R = internal::Polynomial(phi, k.a, k.b);
   left_jacobian = internal::Polynomial(phi, k.b, k.c);
 }
 
 /// Inverse right Jacobian: Log(Exp(phi) Exp(d)) = phi + JrInverse(phi) d to first order in d.
-inline Matrix3 JrInverse(const Vector3& phi) {
+template <int = 0>
+Matrix3 JrInverse(const Vector3& phi) {
   return internal::Polynomial(phi, 0.5, internal::InverseJacobianCoefficient(phi.squaredNorm()));
 }
 
 /// Inverse left Jacobian: Log(Exp(d) Exp(phi)) = phi + JlInverse(phi) d to first order in d.
-inline Matrix3 JlInverse(const Vector3& phi) {
+template <int = 0>
+Matrix3 JlInverse(const Vector3& phi) {
   return internal::Polynomial(phi, -0.5, internal::InverseJacobianCoefficient(phi.squaredNorm()));
 }
 

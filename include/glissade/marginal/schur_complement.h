@@ -39,11 +39,11 @@ Status SchurComplement(int n, const double* H, const double* b, std::span<const 
 ///
 /// Source: Leutenegger et al., "Keyframe-Based Visual-Inertial Odometry Using Nonlinear
 /// Optimization" (IJRR 2015), Eqs. (25)-(27).
-inline Result<DenseSchurComplement> SchurComplement(const Eigen::MatrixXd& H,
-                                                    const Eigen::VectorXd& b,
-                                                    const std::vector<int>& keep,
-                                                    const std::vector<int>& marginalize,
-                                                    double relative_cut = 0.0) {
+template <int = 0>
+Result<DenseSchurComplement> SchurComplement(const Eigen::MatrixXd& H, const Eigen::VectorXd& b,
+                                             const std::vector<int>& keep,
+                                             const std::vector<int>& marginalize,
+                                             double relative_cut = 0.0) {
   if (H.rows() != H.cols() || b.size() != H.rows()) {
     return Status(StatusCode::kInvalidArgument, "SchurComplement: H must be square, b as long");
   }

@@ -91,18 +91,21 @@ class Problem : public Graph {
   Status RollbackStates();
   /// H of the last MakeHessian() as a dense symmetric matrix; free variables in the order of
   /// FreeVertices(), partly fixed poses with their free coordinates only. Empty before.
+  template <int = 0>
   [[nodiscard]] Eigen::MatrixXd Hessian() const {
     Eigen::MatrixXd H(DenseSize(), DenseSize());
     if (H.size() > 0) FillHessian(H.data());
     return H;
   }
   /// b of the last MakeHessian() = minus the gradient; same order.
+  template <int = 0>
   [[nodiscard]] Eigen::VectorXd Rhs() const {
     Eigen::VectorXd b(DenseSize());
     if (b.size() > 0) FillRhs(b.data());
     return b;
   }
   /// dx of the last SolveLinearSystem(); same order. Zero where there is none.
+  template <int = 0>
   [[nodiscard]] Eigen::VectorXd Step() const {
     Eigen::VectorXd dx(DenseSize());
     if (dx.size() > 0) FillStep(dx.data());

@@ -21,6 +21,7 @@ struct VertexPose {
   double* Data() { return pose.data; }
   const double* Data() const { return pose.data; }
 
+  template <int = 0>
   void Plus(const double* delta) {
     double* x = pose.data;
     x[0] += delta[0];
@@ -36,6 +37,7 @@ struct VertexPose {
   }
 
   /// delta = [p - p0, Log(q0^-1 q)].
+  template <int = 0>
   void Minus(const VertexPose& x0, double* delta) const {
     for (int i = 0; i < 3; ++i)
       delta[i] = pose.data[i] - x0.pose.data[i];
