@@ -3,9 +3,9 @@
 
 // What marginalization does to the information of a sliding window, as numbers to be drawn
 // (scripts/plot_marginalization.py): the information matrix of a simulated visual-inertial window
-// before, with what goes moved first, and after; and the information that the window claims to have
-// about yaw and position, which nothing observes, from frame to frame, for each treatment of first
-// estimates.
+// before, with what goes moved first, and after; and what a window that slides over the flight
+// claims to know of yaw and position, which nothing observes, from frame to frame, for each
+// treatment of first estimates, with and without a gauge.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -14,13 +14,15 @@
 #include <vector>
 
 #include "common/interrupt.h"
+#include "common/marginal_summary.h"
+#include "common/marginal_walk.h"
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/program.h"
 #include "common/solver_options.h"
 #include "common/version.h"
-#include "glissade/gauge/nullspace.h"
 #include "glissade/problem/problem.h"
+#include "glissade/sim/vi_window.h"
 #include "glissade/sim/vi_world.h"
 
 namespace glissade::app {
@@ -30,97 +32,13 @@ struct Settings {
   int frames = 60;
   int window = 7;
   int points = 240;
+  int runs = 1;
+  double pixel_noise = 1.0;
   std::uint32_t seed = 1;
   SolverOptions solver;
   std::string json;
 
-  Settings() { solver.solve.max_iterations = 10; }
-};
-
-/// A window that slides over a simulated flight: frames come with what they see, the oldest goes
-/// with all points it has seen.
-class SlidingWindow {
- public:
-  SlidingWindow(const sim::ViProblem& data, FirstEstimates mode) : data_(data) {
-    problem_.SetFirstEstimates(mode);
-    points_.resize(data.start.points.size());
-    gone_.resize(points_.size(), false);
-    observations_of_.resize(data.stamps_ns.size());
-    for (const sim::ViObservation& o : data.observations)
-      observations_of_[static_cast<std::size_t>(o.keyframe)].push_back(&o);
-  }
-
-  Problem& problem() { return problem_; }
-  [[nodiscard]] int size() const { return static_cast<int>(frames_.size()); }
-
-  Status AddFrame(std::size_t k) {
-    Frame frame;
-    auto pose = problem_.AddVertex(data_.start.poses[k]);
-    auto speed_bias = problem_.AddVertex(data_.start.speed_biases[k]);
-    if (!pose.ok()) return pose.status();
-    if (!speed_bias.ok()) return speed_bias.status();
-    frame.pose = pose.value();
-    frame.speed_bias = speed_bias.value();
-    if (!frames_.empty()) {
-      const ImuFactor& imu = data_.imu[k - 1];
-      const auto edge = problem_.AddEdge(
-          imu.edge, {frames_.back().pose, frames_.back().speed_bias, frame.pose, frame.speed_bias},
-          imu.options);
-      if (!edge.ok()) return edge.status();
-    }
-    const sim::ViCamera& camera = data_.cameras[0];
-    const Matrix2 root = (Matrix2() << camera.fx, 0, 0, camera.fy).finished() / camera.sigma_px;
-    for (const sim::ViObservation* o : observations_of_[k]) {
-      const auto p = static_cast<std::size_t>(o->point);
-      if (gone_[p]) continue;  // what it told is in the prior
-      if (!problem_.Contains(AnyVertex(points_[p]))) {
-        auto point = problem_.AddVertex(data_.start.points[p]);
-        if (!point.ok()) return point.status();
-        points_[p] = point.value();
-      }
-      EdgeReprojectionXYZ edge;
-      edge.T_b_c = camera.T_b_c;
-      edge.uv = Vector2((o->u - camera.cx) / camera.fx, (o->v - camera.cy) / camera.fy);
-      const auto added =
-          problem_.AddEdge(edge, {frame.pose, points_[p]}, {.sqrt_information = root});
-      if (!added.ok()) return added.status();
-      frame.points.push_back(p);
-    }
-    frames_.push_back(frame);
-    return {};
-  }
-
-  /// The oldest frame and the points it has seen, as far as they are still there.
-  std::vector<AnyVertex> Oldest() const {
-    std::vector<AnyVertex> vertices{frames_.front().pose, frames_.front().speed_bias};
-    for (const std::size_t p : frames_.front().points) {
-      if (!gone_[p] && problem_.Contains(AnyVertex(points_[p]))) vertices.emplace_back(points_[p]);
-    }
-    return vertices;
-  }
-
-  Status MarginalizeOldest() {
-    const auto done = problem_.Marginalize(Oldest());
-    if (!done.ok()) return done.status();
-    for (const std::size_t p : frames_.front().points)
-      gone_[p] = true;
-    frames_.erase(frames_.begin());
-    return {};
-  }
-
- private:
-  struct Frame {
-    VertexHandle<VertexPose> pose;
-    VertexHandle<VertexSpeedBias> speed_bias;
-    std::vector<std::size_t> points;
-  };
-
-  const sim::ViProblem& data_;
-  Problem problem_;
-  std::vector<Frame> frames_;
-  std::vector<VertexHandle<VertexPointXYZ>> points_;
-  std::vector<bool> gone_;
-  std::vector<std::vector<const sim::ViObservation*>> observations_of_;
+  Settings() { solver.solve.max_iterations = 15; }
 };
 
 nlohmann::ordered_json ToJson(const Eigen::MatrixXd& A) {
@@ -134,68 +52,78 @@ nlohmann::ordered_json ToJson(const Eigen::MatrixXd& A) {
   return rows;
 }
 
+/// Variables of a matrix in groups, as a picture labels them: a name and how many.
+nlohmann::ordered_json Groups(const std::vector<AnyVertex>& vertices,
+                              const std::vector<int>& sizes) {
+  nlohmann::ordered_json groups = nlohmann::ordered_json::array();
+  int pose = 0, speed_bias = 0;
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const bool is_pose = vertices[k].type == &kTypeInfo<VertexPose>;
+    if (vertices[k].type == &kTypeInfo<VertexPointXYZ>) {
+      if (groups.empty() || groups.back()["name"] != "points") {
+        groups.push_back({{"name", "points"}, {"size", 0}});
+      }
+      groups.back()["size"] = groups.back()["size"].get<int>() + sizes[k];
+    } else {
+      const std::string name =
+          is_pose ? fmt::format("pose {}", pose++) : fmt::format("speed, biases {}", speed_bias++);
+      groups.push_back({{"name", name}, {"size", sizes[k]}});
+    }
+  }
+  return groups;
+}
+
 /// The information matrix of a full window, with what goes moved first, and what it leaves.
 Status Matrices(const sim::ViProblem& data, const Settings& settings, nlohmann::ordered_json* out) {
-  SlidingWindow window(data, FirstEstimates::kFull);
+  Problem problem;
+  sim::ViWindow window(&data, {.initial_keyframes = settings.window, .seed = settings.seed},
+                       &problem);
   for (int k = 0; k < settings.window; ++k) {
-    if (Status s = window.AddFrame(static_cast<std::size_t>(k)); !s.ok()) return s;
+    if (Status s = window.AddKeyframe(); !s.ok()) return s;
   }
-  Problem& problem = window.problem();
-  // A point that is seen once has a direction of its own that nothing observes.
-  for (const AnyVertex& vertex : problem.Vertices()) {
-    if (vertex.type != &kTypeInfo<VertexPointXYZ> || problem.EdgesOf(vertex)->size() > 1) continue;
-    if (Status s = problem.RemoveVertex(vertex); !s.ok()) return s;
+  for (const auto& point : window.PointsSeenOnce()) {
+    if (Status s = problem.RemoveVertex(point); !s.ok()) return s;
   }
   problem.Solve();
   if (Status s = problem.MakeHessian(); !s.ok()) return s;
   const Eigen::MatrixXd H = problem.Hessian();
   const auto vertices = problem.FreeVertices();
   const auto offsets = problem.FreeOffsets();
-  const auto oldest = window.Oldest();
-  std::vector<int> going, staying;
+  const auto oldest = window.TakeOldest();
+  struct Part {
+    std::vector<AnyVertex> vertices;
+    std::vector<int> sizes, scalars;
+    void Add(AnyVertex vertex, int begin, int end) {
+      vertices.push_back(vertex);
+      sizes.push_back(end - begin);
+      for (int i = begin; i < end; ++i)
+        scalars.push_back(i);
+    }
+    [[nodiscard]] Part Then(const Part& next) const {
+      Part both = *this;
+      both.vertices.insert(both.vertices.end(), next.vertices.begin(), next.vertices.end());
+      both.sizes.insert(both.sizes.end(), next.sizes.begin(), next.sizes.end());
+      both.scalars.insert(both.scalars.end(), next.scalars.begin(), next.scalars.end());
+      return both;
+    }
+  } all, going, staying;
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     const bool goes = std::find(oldest.begin(), oldest.end(), vertices[k]) != oldest.end();
-    for (int i = offsets[k]; i < offsets[k + 1]; ++i)
-      (goes ? going : staying).push_back(i);
+    all.Add(vertices[k], offsets[k], offsets[k + 1]);
+    (goes ? going : staying).Add(vertices[k], offsets[k], offsets[k + 1]);
   }
-  std::vector<int> order = going;
-  order.insert(order.end(), staying.begin(), staying.end());
   // All edges, not only those that go: the information of the whole window, as it is solved.
-  const auto schur = SchurComplement(H, problem.Rhs(), staying, going);
+  const auto schur = SchurComplement(H, problem.Rhs(), staying.scalars, going.scalars);
   if (!schur.ok()) return schur.status();
+  const Part moved = going.Then(staying);
   (*out)["before"] = ToJson(H);
-  (*out)["moved"] = ToJson(H(order, order));
+  (*out)["moved"] = ToJson(H(moved.scalars, moved.scalars));
   (*out)["after"] = ToJson(schur->H);
-  (*out)["going"] = going.size();
+  (*out)["going"] = going.scalars.size();
   (*out)["states"] = settings.window * 15;
-  return {};
-}
-
-/// The window from frame to frame.
-Status Walk(const sim::ViProblem& data, const Settings& settings, FirstEstimates mode,
-            nlohmann::ordered_json* out) {
-  SlidingWindow window(data, mode);
-  *out = nlohmann::ordered_json::array();
-  for (int k = 0; k < settings.frames && !Interrupted(); ++k) {
-    if (Status s = window.AddFrame(static_cast<std::size_t>(k)); !s.ok()) return s;
-    if (window.size() < 3) continue;
-    const SolveSummary& summary = window.problem().Solve(settings.solver.Chosen());
-    if (!summary.ok()) return summary.status;
-    if (Interrupted()) break;
-    if (window.size() > settings.window) {
-      if (Status s = window.MarginalizeOldest(); !s.ok()) return s;
-    }
-    const auto report = CheckNullspace(&window.problem());
-    if (!report.ok()) return report.status();
-    nlohmann::ordered_json row;
-    row["frame"] = k;
-    row["cost"] = summary.final_cost;
-    for (const NullspaceDirection& direction : report->directions) {
-      row[std::string(direction.name)] = {{"information", direction.information},
-                                          {"kappa", direction.kappa}};
-    }
-    out->push_back(std::move(row));
-  }
+  (*out)["groups"] = {{"before", Groups(all.vertices, all.sizes)},
+                      {"going", Groups(going.vertices, going.sizes)},
+                      {"staying", Groups(staying.vertices, staying.sizes)}};
   return {};
 }
 
@@ -207,51 +135,34 @@ void PrintMatrices(const nlohmann::ordered_json& json) {
       json["after"].size());
 }
 
-/// One line for each mode: the walk's end, and the most that a frame claimed of each direction that
-/// nothing observes, as a part of what the variables alone claim.
-void PrintWalks(const nlohmann::ordered_json& walks) {
-  Print("{:<12} {:>6} {:>14} {:>14}  {}\n", "mode", "frames", "median cost", "last cost",
-        "largest kappa of a direction");
-  for (const auto& [mode, rows] : walks.items()) {
-    if (rows.empty()) continue;
-    std::vector<double> costs;
-    std::string kappas;
-    for (const auto& row : rows)
-      costs.push_back(row["cost"].get<double>());
-    for (const auto& [name, value] : rows.back().items()) {
-      if (!value.is_object()) continue;
-      double largest = 0.0;
-      for (const auto& row : rows)
-        largest = std::max(largest, row[name]["kappa"].get<double>());
-      kappas += fmt::format("{}{} {:.1e}", kappas.empty() ? "" : ", ", name, largest);
-    }
-    const double last = costs.back();
-    std::nth_element(costs.begin(), costs.begin() + costs.size() / 2, costs.end());
-    Print("{:<12} {:>6} {:>14.6g} {:>14.6g}  {}\n", mode, rows.size(), costs[costs.size() / 2],
-          last, kappas);
-  }
-}
-
 constexpr const char* kName = "marginal_study";
 
 constexpr const char* kDescription =
-    R"(What marginalization does to the information of a sliding window. A window slides over a
-simulated visual-inertial flight; the oldest frame goes, with all points it has seen, and leaves a
-prior. Nothing observes yaw and position: what does the window claim to know of them, from frame to
-frame, for each treatment of first estimates?)";
+    R"(What marginalization does to the information of a sliding window. A window slides over simulated
+visual-inertial flights; the oldest keyframe goes, with the points whose tracks began there, and
+leaves a prior. Nothing observes yaw and position: what does the window claim to know of them, for
+each treatment of first estimates, in the free gauge and with the oldest keyframe's position and yaw
+held?)";
 
 constexpr const char* kFooter =
-    R"(kappa is the information about a direction (1 m along x, y, z; 1 rad of yaw) as a part of what the
+    R"(The table, over all keyframes and runs: mean and largest cost after a solve; iterations and rejected
+steps of a solve; its median time; how far a keyframe turned at most from where it was linearized
+first; largest kappa of yaw and of position; squared error of the newest keyframe as seen from the
+oldest over its claimed covariance, yaw and position (honest: 1; means over runs); error of the way
+put together from window to window (RMS of the runs' ends).
+
+kappa is the information about a direction (1 m along x, y, z; 1 rad of yaw) as a part of what the
 variables would have alone: rounding where the window claims nothing. docs/marginalization.md says
-what off, prior_only and full are. The information matrices of one window, before and after, are in
-the JSON file.
+what off, prior_only and full are. The JSON file has the information matrices of one window, before
+and after, and the first run keyframe by keyframe.
 
 Examples:
   marginal_study
+  marginal_study --runs 20 --pixel-noise 0.5
   marginal_study --frames 200 --window 10 --json study.json
   scripts/plot_marginalization.py study.json docs/images   draws it
 
-After Ctrl-C the frames until then are shown and written.
+After Ctrl-C the keyframes until then are shown and written.
 
 Exit code: 0; 130 after Ctrl-C; 2 where an option makes no sense; 1 where a solve fails.)";
 
@@ -260,7 +171,11 @@ void AddOptions(Program& program, Settings& s) {
   AddInteger(cli, "--frames", &s.frames, 4, 2000, "Keyframes of the flight (default 60)");
   AddInteger(cli, "--window", &s.window, 3, 50, "Keyframes of the window (default 7)");
   AddInteger(cli, "--points", &s.points, 10, 20000, "Points of the world (default 240)");
+  AddNumber(cli, "--pixel-noise", &s.pixel_noise, 0.01, 20.0,
+            "Sigma of an observation (px; default 1)");
   AddSeed(cli, &s.seed, "Seed of world and noise (default 1)");
+  AddInteger(cli, "--runs", &s.runs, 1, 1000,
+             "Flights, with this seed and those after it (default 1)");
   AddMethod(cli, &s.solver);
   AddLinearSolver(cli, &s.solver);
   AddIterations(cli, &s.solver);
@@ -268,38 +183,70 @@ void AddOptions(Program& program, Settings& s) {
   program.AddOutput("--json", &s.json, "Write everything, with the matrices, to FILE");
 }
 
+Result<sim::ViProblem> Measure(const Settings& settings, std::uint32_t seed) {
+  sim::ViWorldOptions options;
+  options.points = sim::PointLayout::kRandom;
+  options.num_keyframes = settings.frames;
+  options.num_points = settings.points;
+  options.length_m = 0.5 * settings.frames;  // a keyframe every half metre
+  options.nearest_visible_m = 1.5;
+  options.seed = seed;
+  options.pixel_noise = options.camera.sigma_px = settings.pixel_noise;
+  options.start_rotation_deg = 1.0;
+  const auto world = sim::MakeViWorld(options);
+  if (!world.ok()) return world.status();
+  return sim::Measure(*world, seed);
+}
+
 Outcome Run(const Settings& settings) {
   if (settings.frames <= settings.window) {
     return BadInput(fmt::format("--frames: must be more than --window, {}, not {}", settings.window,
                                 settings.frames));
   }
-  sim::ViWorldOptions options;
-  options.num_keyframes = settings.frames;
-  options.num_points = settings.points;
-  options.length_m = 0.5 * settings.frames;  // a keyframe every half metre
-  options.seed = settings.seed;
-  options.pixel_noise = 1.0;
-  options.start_rotation_deg = 1.0;
-  const auto world = sim::MakeViWorld(options);
-  if (!world.ok()) return Failed(world.status());
-  const auto data = sim::Measure(*world, settings.seed);
-  if (!data.ok()) return Failed(data.status());
-
-  nlohmann::ordered_json matrices, walks = nlohmann::ordered_json::object();
-  if (const Status s = Matrices(*data, settings, &matrices); !s.ok()) return Failed(s);
+  const auto first = Measure(settings, settings.seed);
+  if (!first.ok()) return Failed(first.status());
+  nlohmann::ordered_json matrices;
+  nlohmann::ordered_json walks = {{"free", nlohmann::ordered_json::object()},
+                                  {"fixed", nlohmann::ordered_json::object()}};
+  if (const Status s = Matrices(*first, settings, &matrices); !s.ok()) return Failed(s);
   PrintMatrices(matrices);
   const std::pair<const char*, FirstEstimates> modes[] = {
       {"off", FirstEstimates::kOff},
       {"prior_only", FirstEstimates::kPriorOnly},
       {"full", FirstEstimates::kFull}};
-  for (const auto& [name, mode] : modes) {
-    if (Interrupted()) break;
-    if (const Status s = Walk(*data, settings, mode, &walks[name]); !s.ok()) return Failed(s);
+  nlohmann::ordered_json table = nlohmann::ordered_json::array();
+  PrintWalkHeader();
+  for (const char* gauge : {"free", "fixed"}) {
+    for (const auto& [name, mode] : modes) {
+      WalkSummary summary;
+      for (int run = 0; run < settings.runs && !Interrupted(); ++run) {
+        const std::uint32_t seed = settings.seed + static_cast<std::uint32_t>(run);
+        const auto data = Measure(settings, seed);
+        if (!data.ok()) return Failed(data.status());
+        WalkOptions options;
+        options.window = settings.window;
+        options.mode = mode;
+        options.fixed_gauge = gauge == std::string_view("fixed");
+        options.solve = settings.solver.Chosen();
+        options.front_end = {.initial_keyframes = settings.window, .seed = seed};
+        const auto walk = WalkWindow(*data, options);
+        if (!walk.ok()) return Failed(walk.status());
+        summary.Add(*walk);
+        if (run > 0) continue;
+        nlohmann::ordered_json& rows = walks[gauge][name] = nlohmann::ordered_json::array();
+        for (const WalkFrame& frame : *walk)
+          rows.push_back(ToJson(frame));
+      }
+      if (summary.empty()) continue;
+      summary.Print(gauge, name);
+      table.push_back(summary.ToJson(gauge, name));
+    }
   }
-  PrintWalks(walks);
   if (settings.json.empty()) return {};
   nlohmann::ordered_json json = JsonHeader(kName, "");
   json["seed"] = settings.seed;
+  json["runs"] = settings.runs;
+  json["table"] = std::move(table);
   json["matrices"] = std::move(matrices);
   json["walk"] = std::move(walks);
   const Status written = WriteJson(settings.json, json, -1);

@@ -6,8 +6,8 @@
   marginalization_matrix.png      information matrix of a window: as it is, with what goes moved
                                   first, and what marginalization leaves
   marginalization_eigenvalues.png eigenvalues of these matrices, scaled to a unit diagonal
-  marginalization_yaw.png         what a sliding window claims to know of yaw and position, frame by
-                                  frame, with and without first estimates
+  marginalization_yaw.png         what a sliding window claims to know of its yaw, and how far it has
+                                  turned from where it was linearized, keyframe by keyframe
 
     marginal_study --json study.json
     scripts/plot_marginalization.py study.json docs/images
@@ -21,9 +21,11 @@ import pathlib
 import sys
 
 BLUE, RED, GREEN, GREY = "#1f5fa8", "#c03028", "#2a8a4a", "#707070"
-MODES = (("off", "kOff: everything at the present values", RED),
-         ("prior_only", "kPriorOnly: the prior keeps its point", "#d08020"),
-         ("full", "kFull: all that the prior touches keeps it", BLUE))
+# Gauge, mode, label, color, line.
+WALKS = (("free", "off", "kOff, free", RED, "-"),
+         ("free", "prior_only", "kPriorOnly, free", "#d08020", "-"),
+         ("fixed", "prior_only", "kPriorOnly, oldest keyframe held", "#d08020", "--"),
+         ("free", "full", "kFull, free", BLUE, "-"))
 
 
 def scaled(matrix, np):
@@ -32,28 +34,60 @@ def scaled(matrix, np):
     return matrix / np.outer(diagonal, diagonal)
 
 
+def label_axes(axis, groups):
+    """Names of groups of variables at their rows and columns, and lines between them."""
+    position, middles = 0, []
+    for group in groups:
+        middles.append(position + 0.5 * group["size"] - 0.5)
+        if position > 0:
+            for line in (axis.axhline, axis.axvline):
+                line(position - 0.5, color=GREY, lw=0.5)
+        position += group["size"]
+    names = [group["name"] for group in groups]
+    axis.set_yticks(middles, names)
+    axis.set_xticks(middles, names, rotation=40, ha="right", rotation_mode="anchor")
+    axis.tick_params(labelsize=8, length=2)
+
+
+def merged(groups):
+    """Poses next to each other as one group, speeds and biases next to each other as one."""
+    result = []
+    for group in groups:
+        kind = group["name"].rsplit(" ", 1)[0] if group["name"] != "points" else "points"
+        if result and result[-1]["kind"] == kind:
+            result[-1]["size"] += group["size"]
+            result[-1]["count"] += 1
+        else:
+            result.append({"kind": kind, "size": group["size"], "count": 1})
+    words = {"pose": ("pose", "poses"), "speed, biases": ("speed, biases", "speeds, biases"),
+             "points": ("points", "points")}
+    return [{"name": words[g["kind"]][g["count"] > 1], "size": g["size"]} for g in result]
+
+
 def draw_matrices(data, path, np, plt):
     matrices = {name: np.array(data["matrices"][name]) for name in ("before", "moved", "after")}
-    going, states = data["matrices"]["going"], data["matrices"]["states"]
-    figure, axes = plt.subplots(1, 3, figsize=(12.5, 4.6))
+    going, groups = data["matrices"]["going"], data["matrices"]["groups"]
+    points = sum(g["size"] for g in groups["going"] if g["name"] == "points")
+    goes = [{"name": "oldest keyframe", "size": going - points},
+            {"name": "its points", "size": points}]
+    labels = {"before": merged(groups["before"]), "moved": goes + merged(groups["staying"]),
+              "after": merged(groups["staying"])}
+    figure, axes = plt.subplots(1, 3, figsize=(14.5, 5.2), layout="constrained")
     titles = {
-        "before": "before: states, then points",
+        "before": "the window as it is",
         "moved": "what goes moved first",
-        "after": "after: what stays",
+        "after": "what stays, after the marginalization",
     }
     for axis, (name, matrix) in zip(axes, matrices.items()):
         magnitude = np.log10(np.maximum(np.abs(scaled(matrix, np)), 1e-6))
         magnitude[np.abs(matrix) == 0.0] = np.nan
         image = axis.imshow(magnitude, cmap="viridis", vmin=-6, vmax=0, interpolation="nearest")
-        axis.set_title(f"{titles[name]} ({matrix.shape[0]})", fontsize=10)
+        axis.set_title(f"{titles[name]}: {matrix.shape[0]} variables", fontsize=10)
         axis.set_facecolor("white")
-        if name == "before":
-            for edge in ("axhline", "axvline"):
-                getattr(axis, edge)(states - 0.5, color=GREY, lw=0.7)
+        label_axes(axis, labels[name])
         if name == "moved":
-            for edge in ("axhline", "axvline"):
-                getattr(axis, edge)(going - 0.5, color=RED, lw=1.0)
-        axis.tick_params(labelsize=8)
+            for line in (axis.axhline, axis.axvline):
+                line(going - 0.5, color=RED, lw=1.2)
     bar = figure.colorbar(image, ax=axes, fraction=0.018, pad=0.02)
     bar.set_label("log10 of |H_ij| / sqrt(H_ii H_jj); white: zero", fontsize=9)
     figure.savefig(path, dpi=130, bbox_inches="tight")
@@ -81,34 +115,34 @@ def draw_eigenvalues(data, path, np, plt):
 
 
 def draw_yaw(data, path, np, plt):
-    names = [key for key in data["walk"]["full"][0] if key not in ("frame", "cost")]
-    yaw = next(name for name in names if "yaw" in name)
-    positions = [name for name in names if name != yaw]
-    figure, axes = plt.subplots(1, 2, figsize=(11.5, 4.2), sharey=True)
-    floor = 1e-18  # H is known to rounding only: what comes out below or negative is drawn here
-    for mode, label, color in MODES:
-        rows = data["walk"][mode]
-        frames = [row["frame"] for row in rows]
-        axes[0].semilogy(frames, [max(row[yaw]["kappa"], floor) for row in rows], color=color,
-                         label=label, lw=1.4)
-        axes[1].semilogy(frames, [max(max(row[name]["kappa"] for name in positions), floor)
-                                  for row in rows], color=color, label=label, lw=1.4)
-        last = max(rows[-1][yaw]["information"], 0.0)
-        if mode != "full" and last > 0.0:
-            degrees = 180 / np.pi / np.sqrt(last)
-            axes[0].annotate(f"claims {degrees:.2g} deg", (frames[-1], rows[-1][yaw]["kappa"]),
-                             xytext=(-4, 14), textcoords="offset points", ha="right", fontsize=8,
-                             color=color)
-    for axis, what in zip(axes, ("yaw", "position, the worst axis")):
-        axis.axhspan(floor / 3, 1e-12, color="#e8f0e8", zorder=0)
-        axis.text(0.98, 0.32, "rounding", transform=axis.transAxes, ha="right", fontsize=9,
-                  color=GREEN)
-        axis.set_title(what, fontsize=10)
+    figure, axes = plt.subplots(1, 2, figsize=(12.0, 4.4), layout="constrained")
+    rounding = 1e-12  # H is known to rounding only: below this a value has no meaning but "none"
+    for number, (gauge, mode, label, color, style) in enumerate(WALKS):
+        rows = data["walk"][gauge][mode]
+        frames = np.array([row["frame"] for row in rows])
+        kappa = np.array([row["kappa_yaw"] for row in rows])
+        seen = kappa > rounding
+        if np.any(seen):
+            axes[0].semilogy(frames, np.where(seen, kappa, np.nan), style, color=color,
+                             label=label, lw=1.5)
+        # No line through zeros: a mark for each, one row of marks a mode.
+        height = rounding * 10 ** (-0.8 - 0.7 * number)
+        axes[0].plot(frames[~seen], np.full(np.sum(~seen), height), ".", color=color, ms=4,
+                     label=None if np.any(seen) else label)
+        turned = np.array([row["yaw_since_linearized_deg"] for row in rows])
+        axes[1].plot(frames, turned, style, color=color, label=label, lw=1.5)
+    axes[0].axhspan(rounding * 1e-4, rounding, color="#e8f0e8", zorder=0)
+    axes[0].text(0.02, 0.02, "rounding: no yaw is claimed", transform=axes[0].transAxes, fontsize=9,
+                 color=GREEN)
+    axes[0].set_ylim(rounding * 1e-4, 1e-1)
+    axes[0].set_ylabel("kappa = u'Hu / sum of u_k'H_kk u_k")
+    axes[0].set_title("information about yaw, after each marginalization", fontsize=10)
+    axes[1].set_ylabel("degrees about the vertical")
+    axes[1].set_title("turn of the oldest keyframe since its linearization", fontsize=10)
+    for axis in axes:
         axis.set_xlabel("keyframe")
         axis.grid(True, which="major", lw=0.3)
-        axis.set_ylim(floor / 3, 1e-2)
-    axes[0].set_ylabel("information, kappa = u'Hu / sum of u_k'H_kk u_k")
-    axes[1].legend(loc="upper right", fontsize=8)
+    axes[0].legend(loc="upper right", fontsize=8, ncols=2)
     figure.savefig(path, dpi=130, bbox_inches="tight")
     plt.close(figure)
 

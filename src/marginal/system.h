@@ -118,7 +118,7 @@ class MarginalSystem {
   void MoveToOrigin(const MarginalVariable& variable, int rows, double* J);
 
   const Graph* graph_ = nullptr;
-  FirstEstimates mode_ = FirstEstimates::kPriorOnly;
+  FirstEstimates mode_ = FirstEstimates::kFull;
   std::vector<MarginalVariable> variables_;
   std::vector<std::vector<std::int32_t>> variable_of_;  // pool, index -> variable or -1
   std::vector<std::int32_t> landmarks_;                 // variables

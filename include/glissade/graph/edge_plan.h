@@ -59,7 +59,7 @@ struct NormalEquationsSink {
   double* b_p = nullptr;
   double* landmarks = nullptr;
   double cost = 0.0;  ///< 1/2 sum rho(s)
-  FirstEstimates first_estimates = FirstEstimates::kPriorOnly;
+  FirstEstimates first_estimates = FirstEstimates::kFull;
   int failed_edge = -1;  ///< dense index of the first edge that has no finite value
 };
 

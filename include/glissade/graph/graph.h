@@ -298,7 +298,7 @@ class Graph {
   // Of AddEdge, kept so that adding a dynamic edge allocates nothing by itself.
   std::vector<const VertexOps*> added_ops_;
   std::vector<DynamicEdgePool::Vertex> added_vertices_;
-  FirstEstimates first_estimates_ = FirstEstimates::kPriorOnly;
+  FirstEstimates first_estimates_ = FirstEstimates::kFull;
   std::uint64_t structure_version_ = 1;
   std::uint64_t weights_version_ = 1;
   std::uint64_t identity_;

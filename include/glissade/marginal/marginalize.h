@@ -35,7 +35,8 @@ struct MarginalizeOptions {
   InformationRoot root = InformationRoot::kCholesky;  ///< for kSchur
   /// Directions of what goes with less information than this part of the most, in units that give
   /// H a unit diagonal, count as having none; likewise in the root of the Schur form. <= 0: the
-  /// rounding of the sizes at hand. The square-root form applies the square root of it to J.
+  /// rounding of the sizes at hand. The square-root form applies the square root of it to J, and
+  /// to what goes only: columns that stay are cut at rounding.
   double relative_cut = 0.0;
   /// Edges not to be folded into the prior but dropped (lost), as OKVIS does with observations to
   /// keep the prior sparse. Edges that no marginalized vertex touches are not affected.
