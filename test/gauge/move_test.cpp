@@ -159,7 +159,7 @@ TEST(MoveToGauge, MarginalPriorsAndFirstEstimatesGoAlong) {
     // A solve from there makes the same steps.
     ASSERT_TRUE(problem.Solve({.max_iterations = 3}).ok());
     GaugeScene other(3, Options(GaugeGroup::kVisualInertial, inverse_depth));
-    AddPrior(&other.problem, vertices, 4);
+    AddPrior(&other.problem, {other.poses[0], other.speeds[0], other.poses[1], other.points[3]}, 4);
     other.problem.SetFirstEstimates(FirstEstimates::kFull);
     ASSERT_TRUE(other.problem.Solve({.max_iterations = 3}).ok());
     EXPECT_NEAR(problem.Cost().value(), other.problem.Cost().value(), 1e-6 * cost);
