@@ -34,6 +34,8 @@ std::string_view ToString(StatusCode code) {
       return "i/o error";
     case StatusCode::kParseError:
       return "parse error";
+    case StatusCode::kOutOfMemory:
+      return "out of memory";
   }
   return "unknown";
 }

@@ -174,9 +174,10 @@ bool GaugeBreaches::Evaluate(const EdgePoolBase& pool, int edge, double* free_su
   return true;
 }
 
-std::vector<GaugeBreach> GaugeBreaches::Find(const double* information, const double* scale) {
+int GaugeBreaches::Find(const double* information, const double* scale, int max_listed,
+                        std::vector<GaugeBreach>* found) {
   const int n = orbit_.dim();
-  std::vector<GaugeBreach> found;
+  int count = 0;
   double left[Orbit::kMaxDim], sum[Orbit::kMaxDim], free_sum[Orbit::kMaxDim];
   std::copy_n(information, n, left);
   for (const bool observations : {false, true}) {
@@ -196,11 +197,11 @@ std::vector<GaugeBreach> GaugeBreaches::Find(const double* information, const do
           breach.kappa[Index(k)] = std::max(0.0, sum[k]) / scale[k];
           breaks = breaks || breach.kappa[Index(k)] > tolerance_;
         }
-        if (breaks) found.push_back(breach);
+        if (breaks && count++ < max_listed) found->push_back(breach);
       }
     }
   }
-  return found;
+  return count;
 }
 
 }  // namespace glissade

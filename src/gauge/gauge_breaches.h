@@ -22,8 +22,10 @@ class GaugeBreaches {
 
   /// Edges whose |J u|^2 is more than tolerance * scale of a direction. information: u'Hu. Edges
   /// that are no observations are looked at first, and the rest only if those do not explain all of
-  /// u'Hu: a window has a thousand observations, and none of them can see the gauge alone.
-  std::vector<GaugeBreach> Find(const double* information, const double* scale);
+  /// u'Hu: a window has a thousand observations, and none of them can see the gauge alone. Returns
+  /// their number; the first max_listed are added to *found.
+  int Find(const double* information, const double* scale, int max_listed,
+           std::vector<GaugeBreach>* found);
 
   /// |J u|^2 per direction, robust weight included; two sums: over free vertices only, as in u'Hu,
   /// and over all. False where the edge has no value.

@@ -3,8 +3,10 @@
 #include "glissade/gauge/gauge_guard.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <vector>
+#include <memory>
+#include <span>
 
 #include "glissade/gauge/gauge_prior.h"
 #include "glissade/lie/pose.h"
@@ -13,27 +15,46 @@ namespace glissade {
 
 namespace {
 
+/// What Fixed and FixedPoses hold: at most two vertices, so that a solve allocates nothing.
+class Holds {
+ public:
+  void Add(const FreeTangent& hold) { holds_[static_cast<std::size_t>(count_++)] = hold; }
+  void AddWhole(AnyVertex vertex) {
+    FreeTangent whole;
+    whole.vertex = vertex;
+    whole.fix = Fix::kWhole;
+    Add(whole);
+  }
+  operator std::span<const FreeTangent>() const {  // NOLINT: implicit, it is one
+    return {holds_.data(), static_cast<std::size_t>(count_)};
+  }
+
+ private:
+  std::array<FreeTangent, 2> holds_;
+  int count_ = 0;
+};
+
 /// What Fixed holds, beside what the graph holds already.
-std::vector<FreeTangent> HoldsOf(const GaugeConstraint& constraint, const Graph& graph) {
+Holds HoldsOf(const GaugeConstraint& constraint, const Graph& graph) {
   const GaugeReference& reference = constraint.reference;
-  const auto state = [&](AnyVertex vertex) { return graph.Get(*vertex.As<VertexPose>()).pose; };
-  const Pose anchor = state(reference.anchor);
-  std::vector<FreeTangent> holds;
+  const auto state = [&](AnyVertex vertex) {
+    const VertexPoolBase* pool = graph.PoolOf(vertex.type);
+    return pool->Data(pool->slots().IndexOf(vertex.slot));
+  };
+  const double* anchor = state(reference.anchor);
+  Holds holds;
   const Fix own = graph.GetFixed(reference.anchor);
-  FreeTangent whole;
-  whole.vertex = reference.anchor;
-  whole.fix = Fix::kWhole;
   if (constraint.group == GaugeGroup::kVisualInertial) {
     if (own != Fix::kWhole && own != Fix::kPositionAndYaw) {
-      holds.push_back(FreeTangent::InChart(reference.anchor, reference.pose + 3, anchor.data));
+      holds.Add(FreeTangent::InChart(reference.anchor, reference.pose + 3, anchor));
     }
     return holds;
   }
-  if (own != Fix::kWhole) holds.push_back(whole);
+  if (own != Fix::kWhole) holds.AddWhole(reference.anchor);
   if (!constraint.HasSecond() || graph.GetFixed(reference.second) != Fix::kFree) return holds;
-  const Vector3 normal = anchor.R().col(reference.axis);
-  holds.push_back(FreeTangent::OnPlane(reference.second, normal.data(), constraint.lever,
-                                       state(reference.second).data));
+  const Vector3 normal = RotationMatrix(anchor + 3).col(reference.axis);
+  holds.Add(FreeTangent::OnPlane(reference.second, normal.data(), constraint.lever,
+                                 state(reference.second)));
   return holds;
 }
 
@@ -43,50 +64,46 @@ Status GaugeGuard::Begin(const Gauge& gauge, Graph* graph) {
   End();
   if (gauge.kind == Gauge::Kind::kFree) return {};
   if (gauge.kind == Gauge::Kind::kFixedPoses) {
-    std::vector<FreeTangent> holds;
+    Holds holds;
     for (const AnyVertex vertex : {AnyVertex(gauge.anchor), AnyVertex(gauge.second)}) {
       if (!graph->Contains(vertex)) {
         return internal::About(graph->UnknownHandle(vertex), "gauge");
       }
-      if (graph->GetFixed(vertex) == Fix::kWhole) continue;
-      FreeTangent whole;
-      whole.vertex = vertex;
-      whole.fix = Fix::kWhole;
-      holds.push_back(whole);
+      if (graph->GetFixed(vertex) != Fix::kWhole) holds.AddWhole(vertex);
     }
-    graph->BeginHold(holds);
-    graph_ = graph;
-    return {};
+    return Hold(graph, graph->BeginHold(holds));
+  }
+  if (gauge.kind != Gauge::Kind::kFixed && gauge.kind != Gauge::Kind::kPrior) {
+    return {StatusCode::kInvalidArgument, "gauge: kind is no Gauge::Kind"};
   }
   const Result<Orbit> orbit = Orbit::Of(*graph, gauge.group);
   if (!orbit.ok()) return orbit.status();
   const Result<GaugeConstraint> constraint = GaugeConstraint::Of(gauge, orbit.value(), *graph);
   if (!constraint.ok()) return constraint.status();
   if (gauge.kind == Gauge::Kind::kFixed) {
-    Remember(constraint->reference, graph);
-    graph->BeginHold(HoldsOf(constraint.value(), *graph));
-    graph_ = graph;
-    return {};
+    const Status status = Hold(graph, graph->BeginHold(HoldsOf(constraint.value(), *graph)));
+    if (status.ok()) Remember(constraint->reference, graph);
+    return status;
   }
   if (!(gauge.weight > 0.0) || !std::isfinite(gauge.weight)) {
     return {StatusCode::kInvalidArgument, "gauge: the prior's weight must be positive"};
   }
-  std::vector<AnyVertex> vertices{gauge.anchor};
-  if (constraint->HasSecond()) vertices.push_back(constraint->reference.second);
-  const auto added =
-      graph->AddEdge(std::make_unique<EdgeGaugePrior>(constraint.value(), gauge.weight), vertices);
-  if (!added.ok()) return added.status();
-  Remember(constraint->reference, graph);
-  prior_ = added.value();
-  graph_ = graph;
-  return {};
+  const AnyVertex vertices[] = {gauge.anchor, constraint->reference.second};
+  const Status status =
+      Hold(graph,
+           graph->BeginHold({}, std::make_unique<EdgeGaugePrior>(constraint.value(), gauge.weight),
+                            std::span(vertices, constraint->HasSecond() ? 2 : 1)));
+  if (status.ok()) Remember(constraint->reference, graph);
+  return status;
 }
 
-void GaugeGuard::End() {
-  if (graph_ == nullptr) return;
-  if (graph_->IsHolding()) graph_->EndHold();
-  if (graph_->Contains(AnyEdge(prior_))) (void)graph_->RemoveEdge(prior_);
-  prior_ = {};
+Status GaugeGuard::Hold(Graph* graph, Status status) {
+  if (status.ok()) graph_ = graph;
+  return status;
+}
+
+void GaugeGuard::End() noexcept {
+  if (graph_ != nullptr) graph_->EndHold();
   graph_ = nullptr;
 }
 

@@ -7,6 +7,7 @@
 
 #include "gauge/gauge_breaches.h"
 #include "gauge/gauge_vectors.h"
+#include "glissade/base/out_of_memory.h"
 
 namespace glissade {
 
@@ -99,9 +100,14 @@ double NullspaceReport::MaxKappa() const {
   return largest;
 }
 
-Result<NullspaceReport> CheckNullspace(const Graph& graph, const Structure& structure,
-                                       NormalEquations* equations,
-                                       const NullspaceOptions& options) {
+namespace {
+
+Result<NullspaceReport> Check(const Graph& graph, const Structure& structure,
+                              NormalEquations* equations, const NullspaceOptions& options) {
+  if (!(options.tolerance >= 0.0) || options.max_edges < 0) {
+    return Status(StatusCode::kInvalidArgument,
+                  "CheckNullspace: tolerance and max_edges must not be negative");
+  }
   if (!structure.IsCurrent(graph) || !equations->IsLinearized(structure)) {
     return Status(StatusCode::kInvalidArgument,
                   "CheckNullspace: there is no linearization of this graph as it is now");
@@ -124,21 +130,32 @@ Result<NullspaceReport> CheckNullspace(const Graph& graph, const Structure& stru
   }
   if (observed) {
     GaugeBreaches breaches(graph, equations->point(), orbit.value(), options.tolerance);
-    report.edges = breaches.Find(forms.total, forms.by_vertex);
+    report.num_edges =
+        breaches.Find(forms.total, forms.by_vertex, options.max_edges, &report.edges);
   }
   return report;
 }
 
+}  // namespace
+
+Result<NullspaceReport> CheckNullspace(const Graph& graph, const Structure& structure,
+                                       NormalEquations* equations,
+                                       const NullspaceOptions& options) {
+  return internal::OrOutOfMemory([&] { return Check(graph, structure, equations, options); });
+}
+
 Result<NullspaceReport> CheckNullspace(Graph* graph, const NullspaceOptions& options) {
-  Structure structure;
-  Status status = structure.Analyze(graph, {.allow_duplicate_observations = true});
-  if (!status.ok()) return status;
-  NormalEquations equations;
-  ThreadPool threads;
-  double cost = 0.0;
-  status = equations.Linearize(structure, graph, &threads, &cost);
-  if (!status.ok()) return status;
-  return CheckNullspace(*graph, structure, &equations, options);
+  return internal::OrOutOfMemory([&]() -> Result<NullspaceReport> {
+    Structure structure;
+    Status status = structure.Analyze(graph, {.allow_duplicate_observations = true});
+    if (!status.ok()) return status;
+    NormalEquations equations;
+    ThreadPool threads;
+    double cost = 0.0;
+    status = equations.Linearize(structure, graph, &threads, &cost);
+    if (!status.ok()) return status;
+    return Check(*graph, structure, &equations, options);
+  });
 }
 
 }  // namespace glissade

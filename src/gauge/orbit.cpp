@@ -61,6 +61,9 @@ class LeverSearch {
 
 Result<Orbit> Orbit::Of(const Graph& graph, GaugeGroup group) {
   Orbit orbit;
+  if (group != GaugeGroup::kAuto && Dimension(group) == 0) {
+    return Status(StatusCode::kInvalidArgument, "gauge: group is no GaugeGroup");
+  }
   if (graph.NumVertices<VertexPose>() == 0) {
     return Status(StatusCode::kInvalidArgument, "gauge: the graph has no VertexPose");
   }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "glissade/edges/marginal_prior.h"
 #include "glissade/graph/robust.h"
 
 namespace glissade {
@@ -86,6 +87,53 @@ bool DynamicEdgePool::LinearizeConstant(const Entry& item, const std::int32_t* w
   sink->cost += 0.5 * s;
   Add(item, words, item.edge->ConstantHessian(), static_cast<int>(item.gradient.size()),
       item.gradient.data(), sink);
+  return true;
+}
+
+bool DynamicEdgePool::LinearizeMoved(const Entry& item, const std::int32_t* words,
+                                     NormalEquationsSink* sink) const {
+  double s = 0.0;
+  if (!item.edge->LinearizeQuadratic(item.refs, item.gradient.data(), &s)) return false;
+  const std::size_t n = item.gradient.size();
+  std::size_t largest = 0;
+  for (const VertexRef& ref : item.refs)
+    largest = std::max(largest, static_cast<std::size_t>(ref.ops->tangent_dim));
+  item.jacobian.resize(n * n + largest * largest + largest);
+  double* const H = item.jacobian.data();
+  double* const D = H + n * n;
+  double* const part = D + largest * largest;
+  std::copy_n(item.edge->ConstantHessian(), n * n, H);
+  const double* x0 = item.edge->LinearizationPoint();
+  std::size_t first = 0;
+  for (const VertexRef& ref : item.refs) {
+    const auto dim = static_cast<std::size_t>(ref.ops->tangent_dim);
+    if (!internal::IsAdditive(*ref.ops)) {
+      internal::MinusJacobian(*ref.ops, ref.data, x0, D);
+      // x <- D'x for a part of the gradient, or of a row or column of H.
+      const auto turn = [&](double* x, std::size_t stride) {
+        for (std::size_t c = 0; c < dim; ++c) {
+          part[c] = 0.0;
+          for (std::size_t r = 0; r < dim; ++r)
+            part[c] += D[r * dim + c] * x[r * stride];
+        }
+        for (std::size_t c = 0; c < dim; ++c)
+          x[c * stride] = part[c];
+      };
+      turn(item.gradient.data() + first, 1);
+      for (std::size_t k = 0; k < n; ++k)
+        turn(H + first * n + k, n);
+      for (std::size_t k = 0; k < n; ++k)
+        turn(H + k * n + first, 1);
+    }
+    x0 += ref.ops->ambient_dim;
+    first += dim;
+  }
+  double poison = 0.0 * s;
+  for (const double g : item.gradient)
+    poison += 0.0 * g;
+  if (poison != 0.0) return false;
+  sink->cost += 0.5 * s;
+  Add(item, words, H, static_cast<int>(n), item.gradient.data(), sink);
   return true;
 }
 
@@ -192,11 +240,14 @@ bool DynamicEdgePool::Linearize(const std::int32_t* words, int count,
     const int edge = words[plan::kEdge];
     const Entry& item = EntryAt(edge);
     SetRefs(item, words);
-    // Where first estimates are not kept, the prior has its exact derivative, which varies.
-    const bool constant =
-        item.edge->ConstantHessian() != nullptr && sink->first_estimates != FirstEstimates::kOff;
-    const bool ok = constant ? LinearizeConstant(item, words, sink)
-                             : LinearizeGeneral(item, loss(edge), words, sink);
+    // Where first estimates are not kept, a prior has its exact derivative: J is constant in the
+    // tangent at its own x0, and what is added is in that at x.
+    const bool constant = item.edge->ConstantHessian() != nullptr;
+    const bool moved = constant && sink->first_estimates == FirstEstimates::kOff &&
+                       item.edge->LinearizationPoint() != nullptr;
+    const bool ok = !constant ? LinearizeGeneral(item, loss(edge), words, sink)
+                    : moved   ? LinearizeMoved(item, words, sink)
+                              : LinearizeConstant(item, words, sink);
     if (!ok) {
       sink->failed_edge = edge;
       return false;

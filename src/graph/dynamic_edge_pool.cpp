@@ -5,25 +5,50 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace glissade {
+
+namespace {
+
+/// One push_back() will not allocate.
+template <class T>
+void MakeRoom(std::vector<T>* v) {
+  if (v->size() == v->capacity()) v->reserve(2 * v->size() + 1);
+}
+
+}  // namespace
 
 EdgeHandle<DynamicEdge> DynamicEdgePool::Add(std::unique_ptr<DynamicEdge> edge,
                                              std::span<const Vertex> vertices, const Loss& loss,
                                              std::uint64_t stamp, std::uint32_t graph) {
-  const auto address = slots_.Add(stamp, graph);
-  if (spare_.empty()) {
-    items_.emplace_back();
-  } else {
-    items_.push_back(std::move(spare_.back()));
+  // All that can run out of memory comes before the first change.
+  Entry item;
+  if (!spare_.empty()) {
+    item = std::move(spare_.back());
     spare_.pop_back();
   }
-  Entry& item = items_.back();
   item.edge = std::move(edge);
   item.vertices.assign(vertices.begin(), vertices.end());
   PrepareItem(&item);
-  loss_of_edge_.push_back(FindOrAddLoss(loss));
+  const std::uint32_t loss_index = FindOrAddLoss(loss);
+  MakeRoom(&items_);
+  MakeRoom(&loss_of_edge_);
+  MakeRoom(&spare_);  // for TakeBack()
+  const auto address = slots_.Add(stamp, graph);
+  items_.push_back(std::move(item));
+  loss_of_edge_.push_back(loss_index);
   return {address.slot, address.generation, graph};
+}
+
+bool DynamicEdgePool::TakeBack(EdgeHandle<DynamicEdge> edge) {
+  if (!slots_.Contains(edge) || !slots_.IsLast(edge.slot)) return false;
+  slots_.PopLast();
+  items_.back().edge.reset();
+  spare_.push_back(std::move(items_.back()));
+  items_.pop_back();
+  loss_of_edge_.pop_back();
+  return true;
 }
 
 void DynamicEdgePool::PrepareItem(Entry* item) const {

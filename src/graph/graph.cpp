@@ -64,6 +64,7 @@ Graph::Graph(Graph&& other) noexcept : Graph() {
 
 Graph& Graph::operator=(Graph&& other) noexcept {
   if (this == &other) return *this;
+  other.EndHold();  // whoever began it does not come along
   vertex_pools_ = std::exchange(other.vertex_pools_, {});
   edge_pools_ = std::exchange(other.edge_pools_, {});
   free_tangents_ = std::exchange(other.free_tangents_, {});
@@ -182,8 +183,17 @@ Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge
     pool = static_cast<DynamicEdgePool*>(edge_pools_.back().get());
   }
   StructureChanged();
-  EnterFirstEstimates(*edge, vertices);
-  return pool->Add(std::move(edge), added_vertices_, loss, structure_version_, Id());
+  const DynamicEdge& stays = *edge;
+  const EdgeHandle<DynamicEdge> handle =
+      pool->Add(std::move(edge), added_vertices_, loss, structure_version_, Id());
+  try {
+    EnterFirstEstimates(stays, vertices);
+  } catch (...) {  // out of memory: all or nothing
+    pool->Remove(handle.slot);
+    DropOrphanedFirstEstimates();
+    throw;
+  }
+  return handle;
 }
 
 Status Graph::RemoveVertex(AnyVertex vertex, PriorOnVertex prior) {

@@ -288,5 +288,39 @@ TEST(Nullspace, FirstEstimates) {
   }
 }
 
+// A graph whose every edge sees the gauge made a list of them all.
+TEST(Nullspace, EdgesAreCountedAndTheFirstOnesListed) {
+  GaugeScene scene(21);
+  for (const auto& pose : scene.poses) {
+    ASSERT_TRUE(scene.problem.AddEdge(EdgeSE3Prior{scene.problem.Get(pose).pose}, {pose}).ok());
+  }
+  const auto all = scene.problem.CheckNullspace();
+  ASSERT_TRUE(all.ok()) << all.status().message();
+  EXPECT_EQ(all->num_edges, 10);
+  EXPECT_EQ(all->edges.size(), 10u);
+  const auto some = scene.problem.CheckNullspace({.max_edges = 3});
+  ASSERT_TRUE(some.ok());
+  EXPECT_EQ(some->num_edges, 10);
+  ASSERT_EQ(some->edges.size(), 3u);
+  EXPECT_EQ(some->edges[2].edge, all->edges[2].edge);
+  EXPECT_FALSE(scene.problem.CheckNullspace({.max_edges = -1}).ok());
+  EXPECT_FALSE(scene.problem.CheckNullspace({.tolerance = NAN}).ok());
+}
+
+// After a solve under a gauge, from a linearization without it: the same as without the solve.
+TEST(Nullspace, AfterASolveUnderAGauge) {
+  GaugeScene scene(22);
+  ASSERT_TRUE(scene.problem.Solve(Converge(Gauge::Fixed{scene.poses[0]})).ok());
+  const auto fresh = CheckNullspace(static_cast<Graph*>(&scene.problem));
+  ASSERT_TRUE(fresh.ok());
+  for (int turn = 0; turn < 2; ++turn) {
+    const auto kept = scene.problem.CheckNullspace();
+    ASSERT_TRUE(kept.ok());
+    EXPECT_TRUE(kept->held.empty());
+    for (std::size_t k = 0; k < kept->directions.size(); ++k)
+      EXPECT_EQ(kept->directions[k].information, fresh->directions[k].information);
+  }
+}
+
 }  // namespace
 }  // namespace glissade::test

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "glissade/gauge/constraint.h"
+#include "glissade/minimizer/minimizer.h"
 #include "glissade/structure/structure.h"
 #include "support/gauge_scene.h"
 #include "support/graph_random.h"
@@ -206,6 +207,37 @@ TEST(GaugeSolve, SolvesUnderOneGaugeAreAnalyzedOnce) {
   graph.BeginHold(std::span(&whole, 1));
   EXPECT_FALSE(structure.IsCurrent(graph));
   graph.EndHold();
+}
+
+// It was an edge that came and went, with an analysis of the structure in each solve.
+TEST(GaugeSolve, SolvesUnderAPriorAreAnalyzedOnce) {
+  GaugeScene scene(12);
+  Graph& graph = scene.problem;
+  SolverWorkspace workspace;
+  const Gauge gauge = Gauge::Prior{scene.poses[0]};
+  const auto version = graph.structure_version();
+  const int edges = graph.NumEdges();
+  std::uint64_t first = 0;
+  double cost = 0.0;
+  for (int turn = 0; turn < 3; ++turn) {
+    const SolveSummary& summary = Solve(&graph, &workspace, Converge(gauge));
+    ASSERT_TRUE(summary.ok()) << summary.status.message();
+    EXPECT_EQ(summary.num_edges, edges + 1);
+    EXPECT_EQ(graph.NumEdges(), edges);
+    EXPECT_EQ(graph.structure_version(), version);
+    if (turn == 0) {
+      first = workspace.structure.analysis();
+      cost = summary.final_cost;
+    }
+    EXPECT_EQ(workspace.structure.analysis(), first);
+    EXPECT_NEAR(summary.final_cost, cost, 1e-9 * cost);
+  }
+  // Another anchor is another structure, and none of it is left when there is no gauge.
+  ASSERT_TRUE(Solve(&graph, &workspace, Converge(Gauge::Prior{scene.poses[3]})).ok());
+  EXPECT_NE(workspace.structure.analysis(), first);
+  const SolveSummary& free = Solve(&graph, &workspace, Converge(Gauge::Free));
+  EXPECT_EQ(free.num_edges, edges);
+  EXPECT_NEAR(free.final_cost, cost, 1e-8 * cost);
 }
 
 // Known biases: velocities are estimated, biases stay where they are, to the bit.

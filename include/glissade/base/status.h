@@ -29,6 +29,7 @@ enum class StatusCode {
   kEvaluationFailed,  ///< an edge has no value at this point
   kIoError,           ///< a file cannot be opened, read or written
   kParseError,        ///< a file's content is malformed
+  kOutOfMemory,       ///< std::bad_alloc on the way; the message is short: nothing is allocated
 };
 
 std::string_view ToString(StatusCode code);

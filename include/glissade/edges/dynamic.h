@@ -35,6 +35,8 @@ class DynamicEdge {
   /// H = J'J where J does not depend on the state: D x D row-major with D the sum of the tangent
   /// dimensions, in the order of the vertices; null (default) where J varies. Building J'J of a
   /// 165 x 165 prior anew in each iteration would cost more than the rest of a window's iteration.
+  /// An edge that has a LinearizationPoint() x0 too is r0 + J (x boxminus x0), and J is constant in
+  /// the tangent at x0.
   [[nodiscard]] virtual const double* ConstantHessian() const { return nullptr; }
 
   /// For edges with a constant Hessian: gradient[D] = J'r and *squared_norm = r'r at the given

@@ -9,9 +9,8 @@
 namespace glissade {
 
 /// A gauge in force, from Begin() to End() or destruction: what Solve and Covariance wrap around
-/// their work. Fixing is a temporary hold (Graph::BeginHold), which changes neither the graph's
-/// structure nor its own fixing; a prior is an edge that comes and goes, and so costs an analysis
-/// of the structure.
+/// their work: a temporary hold (Graph::BeginHold), of vertices or by an edge, which changes
+/// neither the graph's structure nor its own fixing.
 class GaugeGuard {
  public:
   GaugeGuard() = default;
@@ -22,11 +21,12 @@ class GaugeGuard {
   /// Remembers the anchor's pose as reference if the graph does not know it as an anchor yet. On
   /// failure nothing is changed.
   Status Begin(const Gauge& gauge, Graph* graph);
-  void End();
+  void End() noexcept;
 
  private:
+  Status Hold(Graph* graph, Status status);
+
   Graph* graph_ = nullptr;
-  EdgeHandle<DynamicEdge> prior_;
 };
 
 }  // namespace glissade

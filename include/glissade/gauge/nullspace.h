@@ -18,6 +18,8 @@ struct NullspaceOptions {
   /// kappa up to which a direction counts as unobserved, and an edge as blind to it. A
   /// linearization off by 1 mm and 0.02 deg makes about 1e-8, rounding 1e-16.
   double tolerance = 1e-12;
+  /// Edges that the report lists; all are counted.
+  int max_edges = 100;
 };
 
 /// One direction u of the gauge group: 1 rad, 1 m, or (scale) 1.
@@ -39,9 +41,12 @@ struct GaugeBreach {
 struct NullspaceReport {
   GaugeGroup group = GaugeGroup::kAuto;
   std::vector<NullspaceDirection> directions;
-  /// Edges whose part of some kappa exceeds the tolerance; in the order of pools, edges that are
-  /// not observations first. As u'Hu is the sum of |J_e u|^2, none is overlooked.
+  /// The first NullspaceOptions::max_edges edges whose part of some kappa exceeds the tolerance; in
+  /// the order of pools, edges that are not observations first. As u'Hu is the sum of |J_e u|^2,
+  /// none is overlooked. Where linearization points differ from edge to edge, as they do outside
+  /// FirstEstimates::kFull, that can be all of them.
   std::vector<GaugeBreach> edges;
+  int num_edges = 0;  ///< all such edges, also those that are not listed
   /// Vertices that would move with the gauge but are fixed, or cannot follow in part. They are left
   /// out of u'Hu, which then is no property of the measurements alone.
   std::vector<AnyVertex> held;
@@ -52,7 +57,8 @@ struct NullspaceReport {
 /// How far H is from having the null space that the measurements have. u is taken at each vertex's
 /// linearization point: its first estimate where it has one, else where H was linearized. From a
 /// linearization that is there already, such as the one the last solve left: microseconds.
-/// kInvalidArgument where there is none, or the graph's structure has changed since.
+/// kInvalidArgument where there is none, or the graph's structure has changed since, or the options
+/// make no sense.
 Result<NullspaceReport> CheckNullspace(const Graph& graph, const Structure& structure,
                                        NormalEquations* equations,
                                        const NullspaceOptions& options = {});

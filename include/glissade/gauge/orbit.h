@@ -28,7 +28,8 @@ class Orbit {
 
   Orbit() = default;
   /// kAuto: kVisualInertial where the graph has a VertexSpeedBias; else kMono where all edges but
-  /// priors are observations by one camera; else kStereo. Refused: a graph without a VertexPose.
+  /// priors are observations by one camera; else kStereo. Refused: a graph without a VertexPose,
+  /// a group that is none.
   static Result<Orbit> Of(const Graph& graph, GaugeGroup group = GaugeGroup::kAuto);
 
   [[nodiscard]] GaugeGroup group() const { return group_; }

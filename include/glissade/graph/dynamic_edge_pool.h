@@ -24,6 +24,9 @@ class DynamicEdgePool final : public EdgePoolBase {
   EdgeHandle<DynamicEdge> Add(std::unique_ptr<DynamicEdge> edge, std::span<const Vertex> vertices,
                               const Loss& loss, std::uint64_t stamp, std::uint32_t graph);
 
+  /// Takes back the edge that was added last; false if that is another one, or gone.
+  bool TakeBack(EdgeHandle<DynamicEdge> edge);
+
   [[nodiscard]] const DynamicEdge& At(int edge) const { return *EntryAt(edge).edge; }
   [[nodiscard]] DynamicEdge& At(int edge) { return *items_[static_cast<std::size_t>(edge)].edge; }
 
@@ -85,6 +88,10 @@ class DynamicEdgePool final : public EdgePoolBase {
   void SetRefs(const Entry& item, const std::int32_t* words) const;
   bool LinearizeConstant(const Entry& item, const std::int32_t* words,
                          NormalEquationsSink* sink) const;
+  /// The same in the tangent at the present state of an edge that is linear about another one: with
+  /// D = d(x boxminus x0)/dx, vertex by vertex, D'H D and D'g.
+  bool LinearizeMoved(const Entry& item, const std::int32_t* words,
+                      NormalEquationsSink* sink) const;
   bool LinearizeGeneral(const Entry& item, const Loss& loss, const std::int32_t* words,
                         NormalEquationsSink* sink) const;
   bool EvaluateFirstEstimates(const Entry& item, const std::int32_t* words) const;

@@ -218,11 +218,13 @@ class Graph {
   /// Keeps all states / goes back to them, without allocating once sized.
   void SaveStates();
   void RestoreStates();
-  /// Holds more than SetFixed asked for, for the time of one solve (a gauge); EndHold() undoes it,
-  /// and nothing of it counts as a change of structure: as long as the same is held again and
-  /// again, one analysis serves. identity() is another one meanwhile.
-  void BeginHold(std::span<const FreeTangent> holds);
-  void EndHold();
+  /// Holds more than SetFixed asked for, for the time of one solve (a gauge), by holds of vertices
+  /// or by an edge; EndHold(), or moving the graph, undoes it. Nothing of it counts as a change of
+  /// structure: as long as the same is held again and again, one analysis serves. identity() is
+  /// another one meanwhile. On failure (of AddEdge) nothing is held.
+  Status BeginHold(std::span<const FreeTangent> holds, std::unique_ptr<DynamicEdge> edge = nullptr,
+                   std::span<const AnyVertex> edge_vertices = {});
+  void EndHold() noexcept;
   [[nodiscard]] bool IsHolding() const { return hold_.active; }
   /// Where a gauge's anchor was when it was first named; Set() and removal forget it.
   [[nodiscard]] std::vector<GaugeReference>& gauge_references() { return gauge_references_; }

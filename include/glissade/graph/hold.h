@@ -31,6 +31,9 @@ struct TemporaryHold {
   std::vector<std::pair<AnyVertex, Fix>> before;  ///< the graph's own
   std::vector<std::pair<std::size_t, FreeTangent>> replaced;
   std::size_t num_own_tangents = 0;
+  AnyEdge edge;                          ///< that is there while this is held; null: none
+  std::vector<AnyVertex> edge_vertices;  ///< of the edge of this or the last hold
+  int edge_rows = 0;
 };
 
 }  // namespace glissade

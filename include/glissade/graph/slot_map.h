@@ -21,18 +21,42 @@ class SlotMap {
     std::uint32_t generation;
   };
 
+  SlotMap() = default;
+  SlotMap(SlotMap&&) noexcept = default;
+  SlotMap& operator=(SlotMap&&) noexcept = default;
+  SlotMap& operator=(const SlotMap& other) { return *this = SlotMap(other); }
+  SlotMap(const SlotMap& other)
+      : index_of_slot_(other.index_of_slot_),
+        generation_of_slot_(other.generation_of_slot_),
+        graph_of_slot_(other.graph_of_slot_),
+        slot_of_index_(other.slot_of_index_),
+        alive_(other.alive_),
+        stamp_(other.stamp_),
+        num_alive_(other.num_alive_) {
+    // A copied vector has no room; Remove() needs it.
+    free_slots_.reserve(index_of_slot_.size());
+    free_slots_.assign(other.free_slots_.begin(), other.free_slots_.end());
+  }
+
   /// stamp: a number that does not fall from one insertion into the graph to the next. graph: the
   /// id of the graph that it is added to, which a copy of this map keeps: what is added to the copy
-  /// later has another one, and so other handles than what the original is given.
+  /// later has another one, and so other handles than what the original is given. Where memory runs
+  /// out (std::bad_alloc), nothing has been added.
   Address Add(std::uint64_t stamp, std::uint32_t graph) {
+    MakeRoom(&slot_of_index_);
+    MakeRoom(&alive_);
+    MakeRoom(&stamp_);
     std::uint32_t slot;
     if (free_slots_.empty()) {
+      MakeRoom(&index_of_slot_);
+      MakeRoom(&generation_of_slot_);
+      MakeRoom(&graph_of_slot_);
+      // Room for every slot to be freed: Remove() must not allocate.
+      free_slots_.reserve(index_of_slot_.capacity());
       slot = static_cast<std::uint32_t>(index_of_slot_.size());
       index_of_slot_.push_back(0);
       generation_of_slot_.push_back(0);
       graph_of_slot_.push_back(0);
-      // Room for every slot to be freed: Remove() must not allocate.
-      free_slots_.reserve(index_of_slot_.capacity());
     } else {
       slot = free_slots_.back();
       free_slots_.pop_back();
@@ -51,6 +75,21 @@ class SlotMap {
     ++generation_of_slot_[slot];
     free_slots_.push_back(slot);
     --num_alive_;
+  }
+
+  /// Takes the youngest entry back as if it had never been added; its handles are dead. Whether
+  /// `slot` is the youngest: IsLast().
+  void PopLast() {
+    const std::uint32_t slot = slot_of_index_.back();
+    ++generation_of_slot_[slot];
+    free_slots_.push_back(slot);
+    if (alive_.back() != 0) --num_alive_;
+    slot_of_index_.pop_back();
+    alive_.pop_back();
+    stamp_.pop_back();
+  }
+  [[nodiscard]] bool IsLast(std::uint32_t slot) const {
+    return !slot_of_index_.empty() && slot_of_index_.back() == slot && alive_.back() != 0;
   }
 
   [[nodiscard]] bool Contains(std::uint32_t slot, std::uint32_t generation) const {
@@ -115,6 +154,12 @@ class SlotMap {
   }
 
  private:
+  /// One push_back() will not allocate.
+  template <class T>
+  static void MakeRoom(std::vector<T>* v) {
+    if (v->size() == v->capacity()) v->reserve(v->empty() ? 4 : 2 * v->size());
+  }
+
   std::vector<std::uint32_t> index_of_slot_;
   std::vector<std::uint32_t> generation_of_slot_;
   std::vector<std::uint32_t> graph_of_slot_;  ///< that its last entry was added to
