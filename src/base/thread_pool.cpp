@@ -4,8 +4,11 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <exception>
+#include <limits>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace glissade {
@@ -33,10 +36,24 @@ struct ThreadPool::Shared {
   int num_chunks = 0;
   void (*call)(void*, int) = nullptr;
   void* f = nullptr;
+  std::exception_ptr exception;  // of failed_chunk; both under the mutex
+  int failed_chunk = std::numeric_limits<int>::max();
 
-  void TakeChunks() {
+  // Chunks are taken in rising order. Whoever throws ends the taking; all lower chunks have been
+  // taken by then and run to their end, so that the lowest that throws is always found.
+  void TakeChunks() noexcept {
     for (int chunk = next.fetch_add(1); chunk < num_chunks; chunk = next.fetch_add(1)) {
-      call(f, chunk);
+      try {
+        call(f, chunk);
+      } catch (...) {
+        next.store(num_chunks);
+        const std::lock_guard<std::mutex> lock(mutex);
+        if (chunk < failed_chunk) {
+          failed_chunk = chunk;
+          exception = std::current_exception();
+        }
+        return;
+      }
     }
   }
 };
@@ -49,9 +66,9 @@ ThreadPool::~ThreadPool() {
   Resize(1);
 }
 
-void ThreadPool::Resize(int num_threads) {
+void ThreadPool::Resize(int num_threads) noexcept {
   num_threads = num_threads < 1 ? 1 : num_threads;
-  if (num_threads == num_threads_) return;
+  if (num_threads == wanted_) return;
   if (shared_ != nullptr) {
     {
       const std::lock_guard<std::mutex> lock(shared_->mutex);
@@ -62,11 +79,17 @@ void ThreadPool::Resize(int num_threads) {
       thread.join();
     shared_.reset();
   }
-  num_threads_ = num_threads;
+  wanted_ = num_threads;
+  num_threads_ = 1;
   if (num_threads == 1) return;
-  shared_ = std::make_unique<Shared>();
-  for (int k = 1; k < num_threads; ++k) {
-    shared_->threads.emplace_back([shared = shared_.get()] { Work(shared); });
+  try {
+    shared_ = std::make_unique<Shared>();
+    shared_->threads.reserve(static_cast<std::size_t>(num_threads - 1));
+    for (; num_threads_ < num_threads; ++num_threads_) {
+      shared_->threads.emplace_back([shared = shared_.get()] { Work(shared); });
+    }
+  } catch (const std::exception&) {
+    // Refused (std::system_error) or out of memory: go on with those that were started.
   }
 }
 
@@ -108,6 +131,9 @@ void ThreadPool::RunOnThreads(int num_chunks, void (*call)(void*, int), void* f)
     // Yield once it takes long: with fewer cores than threads the others need this one.
     spins < kSpins ? Pause() : std::this_thread::yield();
   }
+  if (shared.exception == nullptr) return;
+  shared.failed_chunk = std::numeric_limits<int>::max();
+  std::rethrow_exception(std::exchange(shared.exception, nullptr));
 }
 
 }  // namespace glissade

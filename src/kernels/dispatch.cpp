@@ -62,12 +62,12 @@ IsaSelection SelectIsa(Isa best, const char* requested) {
   } else if (strcmp(requested, "avx512") == 0) {
     wanted = Isa::kAvx512;
   } else {
-    return {best, "GLISSADE_ISA is none of baseline, avx2, avx512: ignored"};
+    return {best, "GLISSADE_ISA is none of baseline, avx2, avx512"};
   }
   if (wanted <= best) return {wanted, ""};
   return {best, best == Isa::kAvx2
-                    ? "GLISSADE_ISA=avx512 is not supported on this machine: using avx2"
-                    : "GLISSADE_ISA is not supported on this machine: using baseline"};
+                    ? "GLISSADE_ISA=avx512 on a machine that has baseline and avx2 only"
+                    : "GLISSADE_ISA=avx2 or avx512 on a machine that has baseline only"};
 }
 
 const KernelTable* KernelsFor(Isa isa) {

@@ -10,4 +10,10 @@ const char* InstructionSetName() {
   return kernels::Kernels().name;
 }
 
+Status CheckInstructionSet() {
+  const char* note = kernels::IsaSelectionNote();
+  if (*note == '\0') return {};
+  return {StatusCode::kInvalidArgument, note};
+}
+
 }  // namespace glissade

@@ -49,6 +49,8 @@ StepFailure::operator Status() const {
 
 NormalEquations::NormalEquations() : reprojections_(std::make_unique<ReprojectionTerms>()) {}
 NormalEquations::~NormalEquations() = default;
+NormalEquations::NormalEquations(NormalEquations&&) noexcept = default;
+NormalEquations& NormalEquations::operator=(NormalEquations&&) noexcept = default;
 
 void NormalEquations::Resize(const Structure& structure) {
   num_poses_scalars_ = structure.num_pose_scalars();
@@ -139,8 +141,8 @@ StepFailure NormalEquations::CheckCosts(const Structure& structure, const Graph&
 
 Status NormalEquations::Linearize(const Structure& structure, Graph* graph, ThreadPool* threads,
                                   double* cost) {
-  Resize(structure);
   linearized_ = 0;
+  Resize(structure);
   point_.Keep(*graph);
   for (FreeTangent& tangent : graph->free_tangents()) {
     const VertexPoolBase* pool = graph->PoolOf(tangent.vertex.type);

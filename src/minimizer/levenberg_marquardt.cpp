@@ -47,18 +47,15 @@ StepStrategy::Outcome LevenbergMarquardtStrategy::ComputeStep() {
   return outcome;
 }
 
-double LevenbergMarquardtStrategy::GainRatio(double decrease) const {
-  if (!damping_.reduced_only) return StepStrategy::GainRatio(decrease);
-  // The course's: in units of sum of Chi2, with its guard against division by zero.
+double CourseStrategy::GainRatio(double decrease) const {
+  // In units of sum of Chi2.
   const double step = w_.equations.StepNorm();
   const double model = damping_.lambda * step * step + w_.equations.GradientDotStep() + 1e-3;
   return 2.0 * decrease / model;
 }
 
-void LevenbergMarquardtStrategy::Accepted(double gain_ratio) {
-  // The course's variant lets no accepted step raise lambda.
+void LevenbergMarquardtStrategy::Lower(double gain_ratio, double most) {
   const double t = 2.0 * gain_ratio - 1.0;
-  const double most = damping_.reduced_only ? 2.0 / 3.0 : 2.0;
   const double factor = std::clamp(1.0 - t * t * t, 1.0 / 3.0, most);
   lambda_ = std::max(lambda_ * factor, options_.min_lambda);
   nu_ = 2.0;

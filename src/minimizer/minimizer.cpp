@@ -3,325 +3,66 @@
 #include "glissade/minimizer/minimizer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <limits>
+#include <new>
+#include <utility>
 
-#include "glissade/gauge/gauge_guard.h"
-#include "glissade/vertices/inverse_depth.h"
-#include "minimizer/step_strategy.h"
+#include "minimizer/loop.h"
 
 namespace glissade {
 
 namespace {
 
-/// One run of a trust-region method: applies the strategy's steps, measures, and decides.
-class Minimizer {
- public:
-  Minimizer(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options,
-            StepStrategy* strategy, Clock::time_point start)
-      : graph_(graph),
-        w_(*workspace),
-        options_(options),
-        strategy_(*strategy),
-        summary_(workspace->summary),
-        start_(start) {}
+void Reset(const SolveOptions& options, SolveSummary* summary) {
+  // In place, so that the storage of the last summary serves again.
+  std::vector<IterationSummary> iterations = std::move(summary->iterations);
+  iterations.clear();
+  *summary = {};
+  summary->iterations = std::move(iterations);
+  summary->iterations.reserve(
+      static_cast<std::size_t>(std::clamp(options.max_iterations, 0, 4095)) + 1);
+}
 
-  void Run() {
-    Reset();
-    if (Status status = options_.Validate(); !status.ok()) return Fail(std::move(status));
-    if (Status status = graph_->ReadyToSolve(); !status.ok()) return Fail(std::move(status));
-    if (Status status = gauge_.Begin(options_.gauge, graph_); !status.ok()) {
-      return Fail(std::move(status));
-    }
-    w_.threads.Resize(options_.num_threads);
-    {
-      const Timed timed(&summary_.time.analyze_s);
-      Status status = w_.structure.Analyze(
-          graph_, {.allow_duplicate_observations = options_.allow_duplicate_observations,
-                   .fuse_reprojections = options_.fuse_reprojections});
-      if (!status.ok()) return Fail(std::move(status));
-    }
-    summary_.num_poses = static_cast<int>(w_.structure.poses().size());
-    summary_.num_landmarks = static_cast<int>(w_.structure.landmarks().size()) +
-                             w_.structure.reprojections().num_landmarks;
-    summary_.num_edges = w_.structure.num_edges();
-    if (!Linearize()) return;
-    summary_.initial_cost = summary_.final_cost = lowest_cost_ = cost_;
-    initial_gradient_ = gradient_;
-    strategy_.Start();
-    iteration_.cost = cost_;
-    iteration_.gradient_max = gradient_;
-    iteration_.lambda = strategy_.Lambda();
-    if (!Report() || GradientConverged()) return;
-
-    while (!done_) {
-      if (iteration_.iteration >= options_.max_iterations) return Stop(Termination::kMaxIterations);
-      iteration_start_ = Clock::now();
-      iteration_ = {.iteration = iteration_.iteration + 1};
-      Iterate();
-      if (done_ && !iteration_tried_) break;
-      iteration_.cost = cost_;
-      iteration_.gradient_max = gradient_;
-      iteration_.lambda = strategy_.Lambda();
-      if (!Report()) return;
-    }
+void Run(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options,
+         Clock::time_point start) {
+  workspace->Restore();
+  RelativeRules relative(options, *graph, *workspace);
+  CourseRules course;
+  StoppingRules* rules = &relative;
+  if (options.course_stop) rules = &course;
+  const auto run = [&](StepStrategy&& strategy) {
+    Minimizer(graph, workspace, options, &strategy, rules, start).Run();
+  };
+  if (options.method == Method::kDogleg) {
+    run(DoglegStrategy(graph, workspace, options, start));
+  } else if (options.damping == Damping::kPoseBlock) {
+    run(CourseStrategy(graph, workspace, options, start));
+  } else {
+    run(LevenbergMarquardtStrategy(graph, workspace, options, start));
   }
-
- private:
-  void Reset() {
-    // In place, so that the storage of the last summary serves again.
-    std::vector<IterationSummary> iterations = std::move(summary_.iterations);
-    iterations.clear();
-    iterations.reserve(static_cast<std::size_t>(std::clamp(options_.max_iterations, 0, 4095)) + 1);
-    summary_ = {};
-    summary_.iterations = std::move(iterations);
-  }
-
-  void Stop(Termination termination) {
-    summary_.termination = termination;
-    done_ = true;
-  }
-
-  void Fail(Status status) {
-    summary_.status = std::move(status);
-    Stop(Termination::kFailed);
-  }
-
-  bool OutOfTime() {
-    if (SecondsSince(start_) <= options_.max_time_s) return false;
-    Stop(Termination::kMaxTime);
-    return true;
-  }
-
-  bool GradientConverged() {
-    if (gradient_ > options_.gradient_tolerance * initial_gradient_ || options_.course_stop) {
-      return false;
-    }
-    if (options_.gradient_tolerance == 0.0 && initial_gradient_ > 0.0) return false;
-    Stop(Termination::kConvergedGradient);
-    return true;
-  }
-
-  bool Linearize() {
-    const Timed timed(&summary_.time.linearize_s);
-    double cost = 0.0;
-    Status status = w_.equations.Linearize(w_.structure, graph_, &w_.threads, &cost);
-    if (!status.ok()) {
-      Fail(std::move(status));
-      return false;
-    }
-    if (summary_.iterations.empty()) cost_ = cost;
-    gradient_ = w_.equations.MaxGradient();
-    if (!std::isfinite(gradient_)) {
-      Fail({StatusCode::kNotFinite, "the gradient is not finite"});
-      return false;
-    }
-    return true;
-  }
-
-  /// Records the iteration; false if the callback wants to stop.
-  bool Report() {
-    iteration_.time_s = SecondsSince(iteration_start_);
-    iteration_.total_time_s = SecondsSince(start_);
-    summary_.iterations.push_back(iteration_);
-    summary_.time.total_s = iteration_.total_time_s;
-    if (options_.verbose) {
-      if (iteration_.iteration == 0) std::fputs((IterationTableHeader() + "\n").c_str(), stderr);
-      std::fputs((ToString(iteration_) + "\n").c_str(), stderr);
-    }
-    if (options_.callback && options_.callback(iteration_) == CallbackAction::kStop && !done_) {
-      Stop(Termination::kCancelled);
-      return false;
-    }
-    return true;
-  }
-
-  void Reject() {
-    iteration_.accepted = false;
-    ++summary_.rejected_steps;
-    ++rejected_in_row_;
-  }
-
-  void RejectStep() {
-    Reject();
-    if (OutOfTime()) return;
-    if (!strategy_.Rejected()) Stop(Termination::kNoProgress);
-  }
-
-  /// False if there is no step; the iteration is then over.
-  bool ComputeStep() {
-    const StepStrategy::Outcome outcome = strategy_.ComputeStep();
-    iteration_.linear_iterations = strategy_.linear_iterations();
-    switch (outcome) {
-      case StepStrategy::Outcome::kStep:
-        return true;
-      case StepStrategy::Outcome::kRetry:
-        Reject();
-        return false;
-      case StepStrategy::Outcome::kExhausted:
-        Reject();
-        Fail(strategy_.failure());
-        return false;
-      case StepStrategy::Outcome::kOutOfTime:
-        iteration_tried_ = false;
-        Stop(Termination::kMaxTime);
-        return false;
-    }
-    return false;
-  }
-
-  double StepNorm() const {
-    double sum = 0.0;
-    for (const double x : strategy_.step())
-      sum += x * x;
-    return std::sqrt(sum);
-  }
-
-  bool StepConverged(double step_norm) {
-    if (options_.course_stop) {
-      if (step_norm * step_norm > 1e-6) return false;
-    } else {
-      if (options_.step_tolerance == 0.0 ||
-          step_norm > options_.step_tolerance * (StateNorm() + options_.step_tolerance)) {
-        return false;
-      }
-    }
-    Stop(rejected_in_row_ > 0 && KeepsFirstEstimates() ? Termination::kConvergedFirstEstimates
-                                                       : Termination::kConvergedStep);
-    return true;
-  }
-
-  /// Some Jacobian is not that of its residual.
-  bool KeepsFirstEstimates() const {
-    bool any = false;
-    for (const auto& pool : graph_->vertex_pools())
-      any |= !pool->first_estimates().empty();
-    return any && graph_->first_estimates() != FirstEstimates::kOff;
-  }
-
-  void Iterate() {
-    iteration_tried_ = false;
-    if (OutOfTime()) return;
-    iteration_tried_ = true;
-    if (!ComputeStep()) return;
-    iteration_.step_norm = StepNorm();
-    if (StepConverged(iteration_.step_norm)) {
-      iteration_tried_ = false;  // not applied
-      return;
-    }
-    const double predicted = strategy_.predicted();
-    if (!std::isfinite(iteration_.step_norm) || !std::isfinite(predicted)) {
-      iteration_.step_norm = 0.0;  // so large a step that its square is no number
-      return RejectStep();
-    }
-
-    double trial_cost = 0.0;
-    StepFailure failure;
-    {
-      const Timed timed(&summary_.time.cost_s);
-      graph_->SaveStates();
-      ApplyStep(w_.structure, strategy_.step(), graph_);
-      failure = w_.equations.Cost(w_.structure, *graph_, &w_.threads, &trial_cost);
-    }
-    const double decrease = failure.ok() ? cost_ - trial_cost : 0.0;
-    // A predicted decrease below the rounding of the cost cannot be seen in the cost: the step is
-    // then taken on trust, as long as the cost does not rise by more than that rounding above the
-    // lowest so far: such steps do not add up.
-    const double rounding = 16.0 * std::numeric_limits<double>::epsilon() * cost_;
-    const bool invisible = predicted >= 0.0 && predicted <= rounding;
-    iteration_.cost_change = decrease;
-    iteration_.gain_ratio = invisible ? 1.0 : strategy_.GainRatio(decrease);
-    const bool accept =
-        failure.ok() && predicted >= 0.0 &&
-        (invisible ? trial_cost <= lowest_cost_ + rounding
-                   : decrease > 0.0 && iteration_.gain_ratio > options_.min_relative_decrease);
-    if (!accept) {
-      graph_->RestoreStates();
-      if (failure.ok() && options_.cost_tolerance > 0.0 && !options_.course_stop &&
-          std::abs(predicted) <= options_.cost_tolerance * cost_) {
-        Reject();
-        return Stop(rejected_in_row_ > 1 && KeepsFirstEstimates()
-                        ? Termination::kConvergedFirstEstimates
-                        : Termination::kConvergedCost);
-      }
-      return RejectStep();
-    }
-
-    ++summary_.accepted_steps;
-    rejected_in_row_ = 0;
-    cost_ = summary_.final_cost = trial_cost;
-    lowest_cost_ = std::min(lowest_cost_, cost_);
-    strategy_.Accepted(iteration_.gain_ratio);
-    if (CostConverged(decrease) || OutOfTime()) return;
-    if (!Linearize()) return;
-    GradientConverged();
-  }
-
-  bool CostConverged(double decrease) {
-    if (options_.course_stop) {
-      if (std::sqrt(2.0 * cost_) > 1e-6 * 2.0 * summary_.initial_cost) return false;
-    } else {
-      if (options_.cost_tolerance == 0.0) return false;
-      if (std::abs(decrease) > options_.cost_tolerance * (cost_ + decrease)) return false;
-    }
-    Stop(Termination::kConvergedCost);
-    return true;
-  }
-
-  /// |x| over the ambient states of all free vertices.
-  double StateNorm() const {
-    double sum = 0.0;
-    const auto add = [&](std::int32_t pool, std::int32_t index) {
-      const VertexPoolBase& vertices = *graph_->vertex_pools()[static_cast<std::size_t>(pool)];
-      const double* x = vertices.Data(index);
-      for (int k = 0; k < vertices.ops().ambient_dim; ++k)
-        sum += x[k] * x[k];
-    };
-    for (const PoseBlock& pose : w_.structure.poses())
-      add(pose.pool, pose.index);
-    for (const LandmarkBlock& landmark : w_.structure.landmarks()) {
-      add(landmark.pool, landmark.index);
-    }
-    const VertexPoolBase* depths = graph_->PoolOf(&kTypeInfo<VertexInverseDepth>);
-    for (const std::int32_t landmark : w_.structure.reprojections().landmark_of_lane) {
-      if (landmark >= 0) add(depths->id(), landmark);
-    }
-    return std::sqrt(sum);
-  }
-
-  Graph* graph_;
-  GaugeGuard gauge_;
-  SolverWorkspace& w_;
-  const SolveOptions& options_;
-  StepStrategy& strategy_;
-  SolveSummary& summary_;
-  const Clock::time_point start_;
-  Clock::time_point iteration_start_ = start_;
-  IterationSummary iteration_;
-  bool iteration_tried_ = false;
-  int rejected_in_row_ = 0;
-  bool done_ = false;
-  double cost_ = 0.0;
-  double lowest_cost_ = 0.0;
-  double gradient_ = 0.0;
-  double initial_gradient_ = 0.0;
-};
+}
 
 }  // namespace
 
 const SolveSummary& Solve(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options) {
   const Clock::time_point start = Clock::now();
-  const auto run = [&](StepStrategy&& strategy) {
-    Minimizer(graph, workspace, options, &strategy, start).Run();
+  SolveSummary& summary = workspace->summary;
+  // Messages of up to 15 characters need no memory.
+  const auto fail = [&](StatusCode code, const char* what) {
+    summary.status = {code, what};
+    summary.termination = Termination::kFailed;
+    workspace->Discard();
   };
-  if (options.method == Method::kDogleg) {
-    run(DoglegStrategy(graph, workspace, options, start));
-  } else {
-    run(LevenbergMarquardtStrategy(graph, workspace, options, start));
+  try {
+    Reset(options, &summary);
+    Run(graph, workspace, options, start);
+  } catch (const std::bad_alloc&) {
+    fail(StatusCode::kOutOfMemory, "out of memory");
+  } catch (...) {
+    fail(StatusCode::kEvaluationFailed, "user code threw");
+    throw;
   }
-  workspace->summary.time.total_s = SecondsSince(start);
-  return workspace->summary;
+  summary.time.total_s = SecondsSince(start);
+  return summary;
 }
 
 }  // namespace glissade

@@ -2,10 +2,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/minimizer/options.h"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <string>
 
 namespace glissade {
+
+namespace {
+
+template <class E>
+bool IsOneOf(E value, std::initializer_list<E> all) {
+  return std::find(all.begin(), all.end(), value) != all.end();
+}
+
+}  // namespace
 
 Status SolveOptions::Validate() const {
   const auto refuse = [](const char* what) {
@@ -13,6 +24,19 @@ Status SolveOptions::Validate() const {
   };
   // Written so that NaN fails each test.
   const auto non_negative = [](double x) { return x >= 0.0 && std::isfinite(x); };
+  if (!IsOneOf(method, {Method::kLevenbergMarquardt, Method::kDogleg})) {
+    return refuse("method is no Method");
+  }
+  if (!IsOneOf(damping, {Damping::kDiagonal, Damping::kIdentity, Damping::kPoseBlock})) {
+    return refuse("damping is no Damping");
+  }
+  if (!IsOneOf(linear_solver_type, {LinearSolverType::kAuto, LinearSolverType::kDenseCholesky,
+                                    LinearSolverType::kSparseCholesky, LinearSolverType::kPcg})) {
+    return refuse("linear_solver_type is no LinearSolverType");
+  }
+  if (!IsOneOf(pcg.preconditioner, {Preconditioner::kJacobi, Preconditioner::kBlockJacobi})) {
+    return refuse("pcg.preconditioner is no Preconditioner");
+  }
   if (max_iterations < 0) return refuse("max_iterations must not be negative");
   if (!(max_time_s >= 0.0)) return refuse("max_time_s must not be negative");
   if (!non_negative(cost_tolerance)) return refuse("cost_tolerance must not be negative");

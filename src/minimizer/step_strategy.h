@@ -77,22 +77,35 @@ class StepStrategy {
 
 /// Levenberg-Marquardt with Nielsen's update of lambda (Madsen, Nielsen, Tingleff 2004, Alg. 3.16);
 /// Ceres' rule for its radius is the same with lambda = 1 / radius.
-class LevenbergMarquardtStrategy final : public StepStrategy {
+class LevenbergMarquardtStrategy : public StepStrategy {
  public:
   using StepStrategy::StepStrategy;
   void Start() override;
   Outcome ComputeStep() override;
   [[nodiscard]] const std::vector<double>& step() const override { return w_.equations.step(); }
-  [[nodiscard]] double GainRatio(double decrease) const override;
-  void Accepted(double gain_ratio) override;
+  void Accepted(double gain_ratio) override { Lower(gain_ratio, 2.0); }
   bool Rejected() override;
   [[nodiscard]] double Lambda() const override { return lambda_; }
 
- private:
+ protected:
+  /// lambda <- lambda max(1/3, 1 - (2 gain_ratio - 1)^3), but by no more than a factor of `most`.
+  void Lower(double gain_ratio, double most);
+
   DampingTerm damping_;
+
+ private:
   double lambda_ = 0.0;
   double scale_ = 1.0;  // what lambda is relative to
   double nu_ = 2.0;
+};
+
+/// The course's variant (Damping::kPoseBlock): lambda is added to the reduced system, the gain
+/// ratio has a guard against division by zero in it, and no accepted step raises lambda.
+class CourseStrategy final : public LevenbergMarquardtStrategy {
+ public:
+  using LevenbergMarquardtStrategy::LevenbergMarquardtStrategy;
+  [[nodiscard]] double GainRatio(double decrease) const override;
+  void Accepted(double gain_ratio) override { Lower(gain_ratio, 2.0 / 3.0); }
 };
 
 /// Powell's dogleg between the Cauchy point and the Gauss-Newton step, both in the space scaled by

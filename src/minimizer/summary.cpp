@@ -48,7 +48,12 @@ std::string SolveSummary::BriefReport() const {
                 accepted_steps + rejected_steps, initial_cost, final_cost, 1e3 * time.total_s);
   std::string report(ToString(termination));
   if (!status.ok()) report += ": " + status.message();
-  return report + numbers;
+  report += numbers;
+  if (num_threads_refused > 0) {
+    report += ", " + std::to_string(num_threads) + " threads (the system refused " +
+              std::to_string(num_threads_refused) + ")";
+  }
+  return report;
 }
 
 }  // namespace glissade

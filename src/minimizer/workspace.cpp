@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/minimizer/minimizer.h"
 
+#include <new>
+
 namespace glissade {
 
 LinearSolver* SolverWorkspace::Solver(const SolveOptions& options) {
@@ -24,6 +26,27 @@ LinearSolver* SolverWorkspace::Solver(const SolveOptions& options) {
   sparse_cholesky.Analyze(system);
   if (sparse_cholesky.FlopRatio() < kWorthwhile) return &sparse_cholesky;
   return &dense_cholesky;
+}
+
+void SolverWorkspace::Discard() noexcept {
+  discarded = true;
+  try {
+    Restore();
+  } catch (const std::bad_alloc&) {
+    // The next use tries again.
+  }
+}
+
+void SolverWorkspace::Restore() {
+  if (!discarded) return;
+  structure = Structure();
+  equations = NormalEquations();
+  dense_cholesky = DenseCholeskySolver();
+  sparse_cholesky = SparseCholeskySolver();
+  pcg = PcgSolver();
+  for (auto* v : {&dogleg_scale, &dogleg_gradient, &dogleg_step, &watched_states})
+    *v = {};
+  discarded = false;
 }
 
 void ApplyStep(const Structure& structure, const std::vector<double>& step, Graph* graph) {

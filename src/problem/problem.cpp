@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "glissade/base/out_of_memory.h"
 #include "glissade/minimizer/minimizer.h"
 
 namespace glissade {
@@ -20,6 +21,8 @@ std::size_t Index(std::int64_t i) {
 class Workspace {
  public:
   SolverWorkspace solver;
+  /// For null-space checks after a solve under a gauge, whose H lacks the gauge's own columns.
+  SolverWorkspace check;
   MarginalWorkspace marginal;
   bool linearized = false;
   bool solved = false;
@@ -31,6 +34,23 @@ class Workspace {
     return linearized && solver.structure.IsCurrent(graph);
   }
 };
+
+namespace {
+
+/// Runs a step on a workspace; after one that throws, the workspace starts from nothing.
+template <class F>
+Status Guarded(SolverWorkspace* w, F&& step) {
+  try {
+    const Status status = internal::OrOutOfMemory(step);
+    if (status.code() == StatusCode::kOutOfMemory) w->Discard();
+    return status;
+  } catch (...) {  // of user code
+    w->Discard();
+    throw;
+  }
+}
+
+}  // namespace
 
 Problem::Problem() : workspace_(std::make_unique<Workspace>()) {}
 Problem::Problem(Graph graph)
@@ -45,19 +65,34 @@ Problem& Problem::operator=(Problem&& other) noexcept {
 }
 
 const SolveSummary& Problem::Solve(const SolveOptions& options) {
-  if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();  // moved from
-  workspace_->linearized = workspace_->solved = workspace_->updated = false;
-  return glissade::Solve(this, &workspace_->solver, options);
+  // Out of a callback's reach for the time of the solve: it might move the Problem, or solve it.
+  struct Lent {
+    std::unique_ptr<Workspace>& home;
+    std::unique_ptr<Workspace> workspace;
+    ~Lent() { home = std::move(workspace); }
+  } lent{workspace_, std::move(workspace_)};
+  if (lent.workspace == nullptr) lent.workspace = std::make_unique<Workspace>();  // moved from
+  Workspace& w = *lent.workspace;
+  w.linearized = w.solved = w.updated = false;
+  return glissade::Solve(this, &w.solver, options);
 }
 
 Result<NullspaceReport> Problem::CheckNullspace(const NullspaceOptions& options) {
-  if (workspace_ != nullptr) {
-    SolverWorkspace& w = workspace_->solver;
-    if (w.structure.IsCurrent(*this) && w.equations.IsLinearized(w.structure)) {
-      return glissade::CheckNullspace(*this, w.structure, &w.equations, options);
-    }
+  if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();
+  SolverWorkspace& last = workspace_->solver;
+  if (last.structure.IsCurrent(*this) && last.equations.IsLinearized(last.structure)) {
+    return glissade::CheckNullspace(*this, last.structure, &last.equations, options);
   }
-  return glissade::CheckNullspace(static_cast<Graph*>(this), options);
+  SolverWorkspace& w = workspace_->check;
+  const Status status = Guarded(&w, [&] {
+    w.Restore();
+    Status s = w.structure.Analyze(this, {.allow_duplicate_observations = true});
+    double cost = 0.0;
+    if (s.ok()) s = w.equations.Linearize(w.structure, this, &w.threads, &cost);
+    return s;
+  });
+  if (!status.ok()) return status;
+  return glissade::CheckNullspace(*this, w.structure, &w.equations, options);
 }
 
 Result<Marginalization> Problem::Marginalize(std::span<const AnyVertex> vertices,
@@ -70,15 +105,18 @@ Status Problem::MakeHessian() {
   if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();
   Workspace& w = *workspace_;
   w.linearized = w.solved = w.updated = false;
-  // Studying a graph with a doubled observation is fine; only Solve insists. The fused path keeps
-  // no W blocks, so what is to be looked at takes the general one.
-  Status status = w.solver.structure.Analyze(
-      this, {.allow_duplicate_observations = true, .fuse_reprojections = false});
-  if (!status.ok()) return status;
-  double cost = 0.0;
-  status = w.solver.equations.Linearize(w.solver.structure, this, &w.solver.threads, &cost);
-  w.linearized = status.ok();
-  return status;
+  return Guarded(&w.solver, [&] {
+    w.solver.Restore();
+    // Studying a graph with a doubled observation is fine; only Solve insists. The fused path keeps
+    // no W blocks, so what is to be looked at takes the general one.
+    Status status = w.solver.structure.Analyze(
+        this, {.allow_duplicate_observations = true, .fuse_reprojections = false});
+    if (!status.ok()) return status;
+    double cost = 0.0;
+    status = w.solver.equations.Linearize(w.solver.structure, this, &w.solver.threads, &cost);
+    w.linearized = status.ok();
+    return status;
+  });
 }
 
 Status Problem::SolveLinearSystem(double lambda, const SolveOptions& options) {
@@ -92,12 +130,14 @@ Status Problem::SolveLinearSystem(double lambda, const SolveOptions& options) {
   SolverWorkspace& w = workspace_->solver;
   workspace_->solved = false;
   const DampingTerm damping = MakeDamping(options, lambda);
-  StepFailure failure = w.equations.Eliminate(w.structure, *this, damping, &w.threads);
-  if (!failure.ok()) return failure;
-  LinearSolverResult result;
-  failure = w.equations.Solve(w.structure, *this, w.Solver(options), &w.threads, &result);
-  workspace_->solved = failure.ok();
-  return failure;
+  return Guarded(&w, [&]() -> Status {
+    StepFailure failure = w.equations.Eliminate(w.structure, *this, damping, &w.threads);
+    if (!failure.ok()) return failure;
+    LinearSolverResult result;
+    failure = w.equations.Solve(w.structure, *this, w.Solver(options), &w.threads, &result);
+    workspace_->solved = failure.ok();
+    return failure;
+  });
 }
 
 Status Problem::UpdateStates() {

@@ -32,6 +32,13 @@ Status ViWorldOptions::Validate() const {
   const auto wrong = [](const std::string& what) {
     return Status(StatusCode::kInvalidArgument, "world: " + what);
   };
+  if (trajectory != TrajectoryKind::kSine && trajectory != TrajectoryKind::kArc &&
+      trajectory != TrajectoryKind::kRec) {
+    return wrong("trajectory is no TrajectoryKind");
+  }
+  if (points != PointLayout::kPlane && points != PointLayout::kRandom) {
+    return wrong("points is no PointLayout");
+  }
   const struct {
     double value;
     const char* name;

@@ -128,5 +128,27 @@ TEST(ThreadPool, PoolsAreIndependent) {
   EXPECT_EQ(outer.load(), 2000);
 }
 
+// An exception in a worker ended the process.
+TEST(ThreadPool, TheExceptionOfTheLowestChunkComesOut) {
+  for (const int threads : {1, 2, 4}) {
+    ThreadPool pool(threads);
+    for (int round = 0; round < 200; ++round) {
+      std::atomic<int> ran{0};
+      try {
+        pool.Run(20, [&](int chunk) {
+          ++ran;
+          if (chunk == 5 + round % 3) std::this_thread::yield();
+          if (chunk >= 5 + round % 3 && chunk % 2 == 1) throw chunk;
+        });
+        ADD_FAILURE() << "nothing came out";
+      } catch (const int chunk) {
+        EXPECT_EQ(chunk, round % 3 == 0 ? 5 : 7);
+      }
+      EXPECT_GE(ran.load(), 6) << "all before it run";
+      ASSERT_NO_FATAL_FAILURE(ExpectEachChunkOnce(&pool, 20)) << "and the pool can be used on";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace glissade

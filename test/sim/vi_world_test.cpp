@@ -166,6 +166,8 @@ TEST(ViWorld, RefusesWhatMakesNoSense) {
     EXPECT_FALSE(world.ok());
     EXPECT_FALSE(world.status().message().empty());
   };
+  refused([](ViWorldOptions& o) { o.trajectory = static_cast<TrajectoryKind>(9); });
+  refused([](ViWorldOptions& o) { o.points = static_cast<PointLayout>(-1); });
   refused([](ViWorldOptions& o) { o.length_m = 0.0; });
   refused([](ViWorldOptions& o) { o.speed_mps = std::nan(""); });
   refused([](ViWorldOptions& o) { o.speed_mps = 1e-9; });

@@ -28,6 +28,13 @@
 /// only where no number exists (a division by zero), never because a result is implausible.
 /// It must be safe to call from several threads.
 ///
+/// Exceptions. What Evaluate throws, or a loss, an iteration callback, a linear solver of yours or
+/// a drop_if, comes out of Solve (or Marginalize, Covariance, ...) on the thread that called it,
+/// for any number of threads the same one: that of the first piece of work in the library's order.
+/// The graph then holds the best state so far (after Marginalize: what it held before), nothing of
+/// a gauge is left in it, and graph and Problem can be used on. std::bad_alloc alone does not come
+/// out: it becomes the status kOutOfMemory.
+///
 /// Optional members:
 ///   static constexpr bool kIsObservation = true;  // two on the same vertices with
 ///   bool SameSensor(const EdgeX& other) const;    //   SameSensor true are duplicates

@@ -51,6 +51,8 @@ class NormalEquations {
  public:
   NormalEquations();
   ~NormalEquations();
+  NormalEquations(NormalEquations&&) noexcept;
+  NormalEquations& operator=(NormalEquations&&) noexcept;
 
   /// H, b and the cost at the graph's present values. On failure names the edge that has no value.
   Status Linearize(const Structure& structure, Graph* graph, ThreadPool* threads, double* cost);

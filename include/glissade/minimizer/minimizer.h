@@ -23,14 +23,21 @@ struct SolverWorkspace {
   PcgSolver pcg;
   SolveSummary summary;
   std::vector<double> dogleg_scale, dogleg_gradient, dogleg_step;
+  std::vector<double> watched_states;  ///< while a callback runs
+  bool discarded = false;
 
   /// The solver of the reduced system that the options ask for (after Eliminate).
   LinearSolver* Solver(const SolveOptions& options);
+  /// After an exception: gives back all memory but the summary's, so that nothing half done is
+  /// used again. Restore(), which may throw std::bad_alloc, comes before the next use.
+  void Discard() noexcept;
+  void Restore();
 };
 
 /// Minimizes from the graph's present values, by the method in the options. Leaves the best state
 /// found in the graph, also when it fails; the summary is in the workspace. What it refuses, and
-/// what it says of a graph in which nothing is free: Problem::Solve (problem/problem.h).
+/// what it says of a graph in which nothing is free: Problem::Solve (problem/problem.h). Throws
+/// what user code throws (edges/concept.h); where memory runs out it fails with kOutOfMemory.
 const SolveSummary& Solve(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options);
 
 /// x <- x boxplus step for all free vertices (partly fixed poses in their charts).

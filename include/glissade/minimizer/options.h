@@ -41,9 +41,17 @@ struct SolveOptions {
   // --- When to stop. A tolerance of 0 switches its rule off. ---------------------------------
   int max_iterations = 50;  ///< linear solves, rejected steps included
   double max_time_s = std::numeric_limits<double>::infinity();  ///< checked inside an iteration
-  double cost_tolerance = 1e-9;       ///< |cost decrease| <= tolerance * cost
-  double gradient_tolerance = 1e-12;  ///< max |g_i| <= tolerance * max |g_i| at the start
-  double step_tolerance = 1e-10;      ///< |dx| <= tolerance * (|x| + tolerance)
+  double cost_tolerance = 1e-9;  ///< |cost decrease| <= tolerance * cost
+  /// max |g_i| / sqrt(H_ii) <= tolerance * the same at the start.
+  double gradient_tolerance = 1e-12;
+  /// sqrt(dx'(H + 2 lambda D)dx) <= tolerance * sqrt(2 cost), before the step is applied: the
+  /// change of all residuals that it would make is that part of the residuals. Without damping this
+  /// is the relative offset of Bates and Watts (Technometrics 1981), and no variable is further
+  /// from where the model has its minimum than tolerance * sqrt(2 cost) of its own standard
+  /// deviation sqrt((H^-1)_ii). Neither the world's origin, nor units, nor one wild variable
+  /// matter. The left side squared is twice the decrease that the model promises. A step is none
+  /// either where that is less than the rounding of the states' own numbers makes of cost.
+  double step_tolerance = 1e-10;
   /// The course's absolute rules instead of the above: stop before an update with
   /// |dx|^2 <= 1e-6, or at sqrt(chi) <= 1e-6 chi_0. For comparison only.
   bool course_stop = false;
@@ -73,7 +81,9 @@ struct SolveOptions {
   LinearSolver* linear_solver = nullptr;
   /// Send inverse-depth landmarks that only EdgeReprojection touches through the fused kernels.
   bool fuse_reprojections = true;
-  int num_threads = 1;  ///< does not change a bit of the result
+  /// Does not change a bit of the result. Where the system refuses threads, the solve goes on with
+  /// those there are: SolveSummary::num_threads.
+  int num_threads = 1;
 
   /// What holds the directions that nothing observes; the graph's own fixing is as before
   /// afterwards. Gauge::Free: only what is fixed and what priors say.
@@ -83,7 +93,12 @@ struct SolveOptions {
   /// Solve refuses a graph that holds one observation twice (kDuplicate) unless this is set.
   bool allow_duplicate_observations = false;
   bool verbose = false;  ///< print a table line per iteration to stderr
-  /// Called after every iteration.
+  /// Called after the start (iteration 0) and after every iteration, on the thread that called
+  /// Solve. The graph then holds the states with the cost it is told: those of the best point so
+  /// far; after a rejected step the ones before it. It may read the graph (values, costs,
+  /// snapshots), stop the solve, solve other problems, and throw (edges/concept.h says what then
+  /// happens). It must not change, move or solve this graph: Solve then ends with kInvalidArgument
+  /// and leaves what it finds. It must not destroy it.
   std::function<CallbackAction(const IterationSummary&)> callback = {};
 
   /// Refuses values that make no sense, naming the option.

@@ -35,7 +35,8 @@ struct IterationSummary {
   double cost = 0.0;          ///< after this iteration, 1/2 sum rho [-]
   double cost_change = 0.0;   ///< decrease that was tried; negative where rejected
   double gradient_max = 0.0;  ///< max |g_i| at the present linearization
-  double step_norm = 0.0;     ///< |dx| over all variables
+  double step_norm =
+      0.0;  ///< |dx| over all variables, of mixed units: only the course's rule looks at it
   double gain_ratio = 0.0;    ///< actual over predicted decrease
   double lambda = 0.0;        ///< damping to be used next
   int linear_iterations = 0;  ///< of PCG
@@ -64,6 +65,8 @@ struct SolveSummary {
   int num_poses = 0;      ///< free vertices in the reduced system
   int num_landmarks = 0;  ///< free eliminated vertices
   int num_edges = 0;
+  int num_threads = 1;          ///< that worked
+  int num_threads_refused = 0;  ///< that the system did not give (SolveOptions::num_threads)
   std::vector<IterationSummary> iterations;
   TimeSplit time;
 
@@ -74,7 +77,8 @@ struct SolveSummary {
            termination == Termination::kConvergedStep ||
            termination == Termination::kConvergedFirstEstimates;
   }
-  /// "converged (cost), 7 iterations, cost 2.67550 -> 4.92854e-05, 0.4 ms"
+  /// "converged (cost), 7 iterations, cost 2.67550 -> 4.92854e-05, 0.4 ms"; with the number of
+  /// threads where some were refused.
   [[nodiscard]] std::string BriefReport() const;
 };
 

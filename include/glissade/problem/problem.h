@@ -44,7 +44,7 @@ class Problem : public Graph {
 
   /// How far H is from having the null space that the measurements have (gauge/nullspace.h): from
   /// the linearization that the last solve or MakeHessian() left where it was of this structure and
-  /// free of a gauge, else from a fresh one.
+  /// free of a gauge, else from a fresh one, for which analysis and storage are kept.
   Result<NullspaceReport> CheckNullspace(const NullspaceOptions& options = {});
   /// Slides the scene along its orbit until the gauge's anchor is at its reference (gauge/move.h).
   Status MoveToGauge(const Gauge& gauge, const MoveOptions& options = {}) {
