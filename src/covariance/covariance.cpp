@@ -8,6 +8,8 @@
 #include <string>
 
 #include "covariance/linearized_graph.h"
+#include "glissade/base/out_of_memory.h"
+#include "glissade/linear/instruction_set.h"
 #include "kernels/kernels.h"
 
 namespace glissade {
@@ -52,6 +54,7 @@ struct Covariance::Impl {
   [[nodiscard]] Small LandmarkInverse(const LandmarkBlock& landmark) const;
   /// A of one vertex into columns of Y (n x dim).
   void FillColumns(const LinearizedGraph::Place& place, double* Y) const;
+  [[nodiscard]] Result<JointCovariance> Joint(std::span<const AnyVertex> vertices) const;
 };
 
 Covariance::Covariance() : impl_(std::make_unique<Impl>()) {}
@@ -173,26 +176,36 @@ Status Covariance::Impl::Factor(double min_pivot) {
 }
 
 Status Covariance::Compute(Graph* graph, const CovarianceOptions& options) {
-  if (impl_ == nullptr) impl_ = std::make_unique<Impl>();  // moved from
-  Impl& impl = *impl_;
-  impl.ready = false;
-  impl.uninformed.clear();
-  impl.gauge = options.gauge;
+  if (impl_ != nullptr) {
+    impl_->ready = false;
+    impl_->uninformed.clear();
+  }
+  if (Status status = CheckInstructionSet(); !status.ok()) return status;
   if (!(options.min_pivot >= 0.0 && options.min_pivot < 1.0)) {
     return {StatusCode::kInvalidArgument, "Covariance: min_pivot must be in [0, 1)"};
   }
   if (options.num_threads < 1 || options.num_threads > 1024) {
     return {StatusCode::kInvalidArgument, "Covariance: num_threads must be 1 to 1024"};
   }
-  Result<Orbit> orbit = Orbit::Of(*graph, options.gauge.group);
-  // A graph without poses has no gauge, but may well have a covariance.
-  impl.orbit = orbit.ok() ? std::move(orbit).value() : Orbit();
-  Status status = impl.linear.Linearize(graph, options.gauge, options.num_threads);
-  if (status.ok()) status = impl.CheckLandmarks(options.min_pivot);
-  if (status.ok()) status = impl.linear.Eliminate(*graph);
-  if (status.ok()) status = impl.Factor(options.min_pivot);
-  impl.ready = status.ok();
-  return status;
+  if (options.gauge.group != GaugeGroup::kAuto && Dimension(options.gauge.group) == 0) {
+    return {StatusCode::kInvalidArgument, "Covariance: gauge.group is no GaugeGroup"};
+  }
+  // Does not come back where something throws: what is half done is not used again.
+  std::unique_ptr<Impl> impl = std::move(impl_);
+  return internal::OrOutOfMemory([&]() -> Status {
+    if (impl == nullptr) impl = std::make_unique<Impl>();
+    impl->gauge = options.gauge;
+    Result<Orbit> orbit = Orbit::Of(*graph, options.gauge.group);
+    // A graph without poses has no gauge, but may well have a covariance.
+    impl->orbit = orbit.ok() ? std::move(orbit).value() : Orbit();
+    Status status = impl->linear.Linearize(graph, options.gauge, options.num_threads);
+    if (status.ok()) status = impl->CheckLandmarks(options.min_pivot);
+    if (status.ok()) status = impl->linear.Eliminate(*graph);
+    if (status.ok()) status = impl->Factor(options.min_pivot);
+    impl->ready = status.ok();
+    impl_ = std::move(impl);
+    return status;
+  });
 }
 
 void Covariance::Impl::FillColumns(const LinearizedGraph::Place& place, double* Y) const {
@@ -235,7 +248,11 @@ Result<JointCovariance> Covariance::Joint(std::span<const AnyVertex> vertices) c
   if (impl_ == nullptr || !impl_->ready) {
     return Status(StatusCode::kInvalidArgument, "Covariance: call Compute() first");
   }
-  const Impl& impl = *impl_;
+  return internal::OrOutOfMemory([&] { return impl_->Joint(vertices); });
+}
+
+Result<JointCovariance> Covariance::Impl::Joint(std::span<const AnyVertex> vertices) const {
+  const Impl& impl = *this;
   JointCovariance out;
   out.gauge = impl.gauge;
   out.orbit = impl.orbit;
@@ -294,9 +311,11 @@ Result<JointCovariance> ComputeCovariance(Graph* graph, std::span<const AnyVerte
     if (graph->Contains(vertex)) continue;
     return internal::About(graph->UnknownHandle(vertex), "Covariance");
   }
-  Covariance covariance;
-  if (Status status = covariance.Compute(graph, options); !status.ok()) return status;
-  return covariance.Joint(vertices);
+  return internal::OrOutOfMemory([&]() -> Result<JointCovariance> {
+    Covariance covariance;
+    if (Status status = covariance.Compute(graph, options); !status.ok()) return status;
+    return covariance.Joint(vertices);
+  });
 }
 
 }  // namespace glissade

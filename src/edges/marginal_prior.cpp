@@ -4,10 +4,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "glissade/base/out_of_memory.h"
 #include "glissade/base/validate.h"
 #include "glissade/lie/so3.h"
 #include "glissade/vertices/camera_bal.h"
@@ -160,38 +162,50 @@ Status EdgeMarginalPrior::Check(std::span<const VertexOps* const> vertices,
   }
   if (not_finite(r0)) return refuse("r0");
   if (not_finite(jacobian)) return refuse("J");
+  // J'J is finite where its trace is (Cauchy-Schwarz).
+  double trace = 0.0;
+  for (std::size_t row = 0; row < r0.size(); ++row) {
+    const double* J = jacobian.data() + row * tangent;
+    trace += kernels::Kernels().dot(static_cast<int>(tangent), J, J);
+  }
+  if (!std::isfinite(trace)) return refuse("J'J");
   return {};
 }
 
 Result<std::unique_ptr<EdgeMarginalPrior>> EdgeMarginalPrior::Create(
     std::span<const VertexOps* const> vertices, std::span<const double> x0,
     std::span<const double> r0, std::span<const double> jacobian) {
-  std::unique_ptr<EdgeMarginalPrior> edge(new EdgeMarginalPrior(std::make_shared<Data>()));
-  if (Status s = edge->Assign(vertices, x0, r0, jacobian); !s.ok()) return s;
-  return edge;
+  return internal::OrOutOfMemory([&]() -> Result<std::unique_ptr<EdgeMarginalPrior>> {
+    std::unique_ptr<EdgeMarginalPrior> edge(new EdgeMarginalPrior(std::make_shared<Data>()));
+    if (Status s = edge->Assign(vertices, x0, r0, jacobian); !s.ok()) return s;
+    return edge;
+  });
 }
 
 Status EdgeMarginalPrior::Assign(std::span<const VertexOps* const> vertices,
                                  std::span<const double> x0, std::span<const double> r0,
                                  std::span<const double> jacobian) {
-  if (Status s = Check(vertices, x0, r0, jacobian); !s.ok()) return s;
-  if (data_.use_count() > 1) data_ = std::make_shared<Data>();
-  Data& data = *data_;
-  // Rank and so rows may differ from prior to prior: room for full rank at once.
-  const std::size_t dim = jacobian.size() / r0.size(), most = std::max(dim, r0.size());
-  data.r0.reserve(most);
-  data.begin.reserve(most);
-  data.jacobian.reserve(most * dim);
-  data.types.assign(vertices.begin(), vertices.end());
-  data.x0.assign(x0.begin(), x0.end());
-  data.r0.assign(r0.begin(), r0.end());
-  data.jacobian.assign(jacobian.begin(), jacobian.end());
-  data.tangent_dim = 0;
-  for (const VertexOps* ops : vertices)
-    data.tangent_dim += ops->tangent_dim;
-  data.Prepare();
-  if (internal::AllFinite(data.hessian.data(), static_cast<int>(data.hessian.size()))) return {};
-  return {StatusCode::kNotFinite, "EdgeMarginalPrior J'J is not finite"};
+  return internal::OrOutOfMemory([&]() -> Status {
+    if (Status s = Check(vertices, x0, r0, jacobian); !s.ok()) return s;
+    const std::shared_ptr<Data> data = data_.use_count() > 1 ? std::make_shared<Data>() : data_;
+    // Rank and so rows may differ from prior to prior: room for full rank at once. This is all that
+    // can run out of memory, before the first change.
+    const std::size_t dim = jacobian.size() / r0.size(), most = std::max(dim, r0.size());
+    data->types.reserve(vertices.size());
+    data->x0.reserve(x0.size());
+    data->r0.reserve(most);
+    data->begin.reserve(most);
+    data->jacobian.reserve(most * dim);
+    data->hessian.reserve(dim * dim);
+    data->types.assign(vertices.begin(), vertices.end());
+    data->x0.assign(x0.begin(), x0.end());
+    data->r0.assign(r0.begin(), r0.end());
+    data->jacobian.assign(jacobian.begin(), jacobian.end());
+    data->tangent_dim = static_cast<int>(dim);
+    data->Prepare();
+    data_ = data;
+    return {};
+  });
 }
 
 std::span<const VertexOps* const> EdgeMarginalPrior::vertex_types() const {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/io/bal.h"
+#include "glissade/base/out_of_memory.h"
 
 #include <span>
 #include <tuple>
@@ -82,44 +83,46 @@ Status CheckBal(const BalProblem& problem) {
 }  // namespace
 
 Result<BalProblem> ReadBal(const std::string& path) {
-  auto reader = TextReader::Open(path);
-  if (!reader.ok()) return reader.status();
-  TextReader& in = reader.value();
+  return internal::OrOutOfMemory([&]() -> Result<BalProblem> {
+    auto reader = TextReader::Open(path);
+    if (!reader.ok()) return reader.status();
+    TextReader& in = reader.value();
 
-  const int num_cameras = in.Count(1, "number of cameras");
-  const std::int64_t line = in.line();
-  const int num_points = in.Count(1, "number of points");
-  const int num_observations = in.Count(1, "number of observations");
-  if (in.ok() && in.line() != line) {
-    in.Fail("expected the numbers of cameras, points and observations on one line");
-  }
-  if (!in.ok()) return in.status();
+    const int num_cameras = in.Count(1, "number of cameras");
+    const std::int64_t line = in.line();
+    const int num_points = in.Count(1, "number of points");
+    const int num_observations = in.Count(1, "number of observations");
+    if (in.ok() && in.line() != line) {
+      in.Fail("expected the numbers of cameras, points and observations on one line");
+    }
+    if (!in.ok()) return in.status();
 
-  BalProblem problem;
-  problem.observations.reserve(ReserveFor(num_observations));
-  for (int k = 0; k < num_observations && in.ok(); ++k) {
-    problem.observations.push_back(ReadObservation(in, num_cameras, num_points, k));
-  }
-  problem.cameras.reserve(ReserveFor(num_cameras));
-  for (int k = 0; k < num_cameras && in.ok(); ++k) {
-    VertexCameraBal camera;
-    for (int i = 0; i < 9; ++i)
-      camera.data[i] = in.Number(kCameraFields[i], k);
-    problem.cameras.push_back(camera);
-  }
-  problem.points.reserve(ReserveFor(num_points));
-  for (int k = 0; k < num_points && in.ok(); ++k) {
-    VertexPointXYZ point;
-    for (int i = 0; i < 3; ++i)
-      point.data[i] = in.Number(kPointFields[i], k);
-    problem.points.push_back(point);
-  }
-  if (in.ok() && !in.AtEnd()) {
-    in.Fail("expected the end of the file after the last point, found '" +
-            internal::Printable(in.Peek()) + "'; are the counts in the first line right?");
-  }
-  if (!in.ok()) return in.status();
-  return problem;
+    BalProblem problem;
+    problem.observations.reserve(ReserveFor(num_observations));
+    for (int k = 0; k < num_observations && in.ok(); ++k) {
+      problem.observations.push_back(ReadObservation(in, num_cameras, num_points, k));
+    }
+    problem.cameras.reserve(ReserveFor(num_cameras));
+    for (int k = 0; k < num_cameras && in.ok(); ++k) {
+      VertexCameraBal camera;
+      for (int i = 0; i < 9; ++i)
+        camera.data[i] = in.Number(kCameraFields[i], k);
+      problem.cameras.push_back(camera);
+    }
+    problem.points.reserve(ReserveFor(num_points));
+    for (int k = 0; k < num_points && in.ok(); ++k) {
+      VertexPointXYZ point;
+      for (int i = 0; i < 3; ++i)
+        point.data[i] = in.Number(kPointFields[i], k);
+      problem.points.push_back(point);
+    }
+    if (in.ok() && !in.AtEnd()) {
+      in.Fail("expected the end of the file after the last point, found '" +
+              internal::Printable(in.Peek()) + "'; are the counts in the first line right?");
+    }
+    if (!in.ok()) return in.status();
+    return problem;
+  });
 }
 
 Status WriteBal(const BalProblem& problem, const std::string& path) {

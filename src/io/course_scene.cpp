@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/io/course_scene.h"
+#include "glissade/base/out_of_memory.h"
 
 #include <cmath>
 #include <string_view>
@@ -103,27 +104,29 @@ Status Validate(const CourseScene& scene) {
 }
 
 Result<CourseScene> ReadCourseScene(const std::string& path) {
-  auto reader = TextReader::Open(path, '#');
-  if (!reader.ok()) return reader.status();
-  TextReader& in = reader.value();
+  return internal::OrOutOfMemory([&]() -> Result<CourseScene> {
+    auto reader = TextReader::Open(path, '#');
+    if (!reader.ok()) return reader.status();
+    TextReader& in = reader.value();
 
-  in.Expect(kMagic);
-  in.Integer(kVersion, kVersion, "version of the format");
-  CourseScene scene;
-  in.Expect("POSES");
-  const int num_poses = in.Count(1, "number of poses");
-  scene.poses.reserve(ReserveFor(num_poses));
-  for (int k = 0; k < num_poses && in.ok(); ++k)
-    scene.poses.push_back(ReadPose(in, k));
-  in.Expect("POINTS");
-  const int num_points = in.Count(1, "number of points");
-  scene.points.reserve(ReserveFor(num_points));
-  for (int k = 0; k < num_points && in.ok(); ++k)
-    ReadPoint(in, scene);
-  in.Expect("END");
-  in.ExpectEnd();
-  if (!in.ok()) return in.status();
-  return scene;
+    in.Expect(kMagic);
+    in.Integer(kVersion, kVersion, "version of the format");
+    CourseScene scene;
+    in.Expect("POSES");
+    const int num_poses = in.Count(1, "number of poses");
+    scene.poses.reserve(ReserveFor(num_poses));
+    for (int k = 0; k < num_poses && in.ok(); ++k)
+      scene.poses.push_back(ReadPose(in, k));
+    in.Expect("POINTS");
+    const int num_points = in.Count(1, "number of points");
+    scene.points.reserve(ReserveFor(num_points));
+    for (int k = 0; k < num_points && in.ok(); ++k)
+      ReadPoint(in, scene);
+    in.Expect("END");
+    in.ExpectEnd();
+    if (!in.ok()) return in.status();
+    return scene;
+  });
 }
 
 Status WriteCourseScene(const CourseScene& scene, const std::string& path,

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/io/viotracks.h"
+#include "glissade/base/out_of_memory.h"
 
 #include <cmath>
 #include <filesystem>
@@ -204,29 +205,31 @@ Status ReadTracks(const std::string& path, const std::map<std::int64_t, std::int
 }  // namespace
 
 Result<Viotracks> ReadViotracks(const std::string& folder) {
-  Viotracks data;
-  const auto calibration = std::filesystem::path(folder) / "calibration.json";
-  if (Status s = ReadCalibration(calibration.string(), &data); !s.ok()) return s;
-  const std::string frames = Table(folder, "frames");
-  if (frames.empty()) return Missing(folder, "frames");
-  std::map<std::int64_t, std::int32_t> index;
-  if (Status s = ReadFrames(frames, &data, &index); !s.ok()) return s;
-  const std::string tracks = Table(folder, "tracks");
-  if (tracks.empty()) return Missing(folder, "tracks");
-  if (Status s = ReadTracks(tracks, index, &data); !s.ok()) return s;
-  if (const std::string imu = Table(folder, "imu"); !imu.empty()) {
-    auto samples = ReadEurocImu(imu);
-    if (!samples.ok()) return samples.status();
-    data.imu = std::move(samples).value();
-  } else if (data.imu_noise) {
-    return Missing(folder, "imu");
-  }
-  if (const std::string truth = Table(folder, "groundtruth"); !truth.empty()) {
-    auto states = ReadEurocGroundTruth(truth);
-    if (!states.ok()) return states.status();
-    data.ground_truth = std::move(states).value();
-  }
-  return data;
+  return internal::OrOutOfMemory([&]() -> Result<Viotracks> {
+    Viotracks data;
+    const auto calibration = std::filesystem::path(folder) / "calibration.json";
+    if (Status s = ReadCalibration(calibration.string(), &data); !s.ok()) return s;
+    const std::string frames = Table(folder, "frames");
+    if (frames.empty()) return Missing(folder, "frames");
+    std::map<std::int64_t, std::int32_t> index;
+    if (Status s = ReadFrames(frames, &data, &index); !s.ok()) return s;
+    const std::string tracks = Table(folder, "tracks");
+    if (tracks.empty()) return Missing(folder, "tracks");
+    if (Status s = ReadTracks(tracks, index, &data); !s.ok()) return s;
+    if (const std::string imu = Table(folder, "imu"); !imu.empty()) {
+      auto samples = ReadEurocImu(imu);
+      if (!samples.ok()) return samples.status();
+      data.imu = std::move(samples).value();
+    } else if (data.imu_noise) {
+      return Missing(folder, "imu");
+    }
+    if (const std::string truth = Table(folder, "groundtruth"); !truth.empty()) {
+      auto states = ReadEurocGroundTruth(truth);
+      if (!states.ok()) return states.status();
+      data.ground_truth = std::move(states).value();
+    }
+    return data;
+  });
 }
 
 }  // namespace glissade

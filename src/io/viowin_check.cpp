@@ -113,6 +113,12 @@ Status CheckImu(const ViowinImu& imu, int num_frames) {
   return {};
 }
 
+Status CheckPriorSize(std::size_t tangent) {
+  if (tangent <= ViowinMarginalPrior::kMaxTangentDim) return {};
+  return Invalid("marginal prior on more than " +
+                 std::to_string(ViowinMarginalPrior::kMaxTangentDim) + " tangent dimensions");
+}
+
 Status CheckMarginalPrior(const ViowinMarginalPrior& prior, int num_frames, int num_landmarks) {
   std::size_t ambient = 0, tangent = 0;
   if (prior.blocks.empty()) return Invalid("marginal prior without a block");
@@ -136,6 +142,7 @@ Status CheckMarginalPrior(const ViowinMarginalPrior& prior, int num_frames, int 
     ambient += static_cast<std::size_t>(AmbientDim(block.kind));
     tangent += static_cast<std::size_t>(TangentDim(block.kind));
   }
+  if (Status s = CheckPriorSize(tangent); !s.ok()) return s;
   if (prior.x0.size() != ambient || prior.jacobian.size() != prior.r0.size() * tangent ||
       prior.r0.empty()) {
     return Invalid("marginal prior: sizes of x0, r0 and J do not match its blocks");

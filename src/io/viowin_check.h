@@ -16,6 +16,7 @@ Status CheckLandmark(const ViowinLandmark& landmark, int num_frames);
 Status CheckPosePrior(const ViowinPosePrior& prior, int num_frames);
 Status CheckSpeedBiasPrior(const ViowinSpeedBiasPrior& prior, int num_frames);
 Status CheckImu(const ViowinImu& imu, int num_frames);
+Status CheckPriorSize(std::size_t tangent);
 Status CheckMarginalPrior(const ViowinMarginalPrior& prior, int num_frames, int num_landmarks);
 
 int AmbientDim(ViowinMarginalPrior::Kind kind);

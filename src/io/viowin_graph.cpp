@@ -88,23 +88,37 @@ Status AddReprojections(const ViowinWindow& window, const Loss& loss, WindowHand
   return {};
 }
 
-Status AddMarginalPrior(const ViowinMarginalPrior& prior, const WindowHandles& handles,
-                        Graph* graph) {
-  std::vector<const VertexOps*> types;
+using PriorEdges = std::vector<std::unique_ptr<DynamicEdge>>;
+
+/// Made before the graph is touched: their Hessians are what may want more memory than there is.
+Status MakePriorEdges(const ViowinWindow& window, PriorEdges* edges) {
+  for (const ViowinMarginalPrior& prior : window.marginal_priors) {
+    std::vector<const VertexOps*> types;
+    for (const auto& block : prior.blocks) {
+      types.push_back(block.kind == Kind::kPose        ? &kVertexOps<VertexPose>
+                      : block.kind == Kind::kSpeedBias ? &kVertexOps<VertexSpeedBias>
+                                                       : &kVertexOps<VertexInverseDepth>);
+    }
+    auto edge = EdgeMarginalPrior::Create(types, prior.x0, prior.r0, prior.jacobian);
+    if (!edge.ok()) return edge.status();
+    edges->push_back(std::move(edge).value());
+  }
+  return {};
+}
+
+Status AddMarginalPrior(const ViowinMarginalPrior& prior, std::unique_ptr<DynamicEdge> edge,
+                        const WindowHandles& handles, Graph* graph) {
   std::vector<AnyVertex> vertices;
   for (const auto& block : prior.blocks) {
     const auto index = static_cast<std::size_t>(block.index);
     switch (block.kind) {
       case Kind::kPose:
-        types.push_back(&kVertexOps<VertexPose>);
         vertices.emplace_back(handles.poses[index]);
         break;
       case Kind::kSpeedBias:
-        types.push_back(&kVertexOps<VertexSpeedBias>);
         vertices.emplace_back(handles.speed_biases[index]);
         break;
       case Kind::kInverseDepth:
-        types.push_back(&kVertexOps<VertexInverseDepth>);
         vertices.emplace_back(handles.depths[index]);
         break;
     }
@@ -118,12 +132,11 @@ Status AddMarginalPrior(const ViowinMarginalPrior& prior, const WindowHandles& h
       if (Status s = graph->SetEliminated(depth, false); !s.ok()) return s;
     }
   }
-  auto edge = EdgeMarginalPrior::Create(types, prior.x0, prior.r0, prior.jacobian);
-  if (!edge.ok()) return edge.status();
-  return graph->AddEdge(std::unique_ptr<DynamicEdge>(std::move(edge).value()), vertices).status();
+  return graph->AddEdge(std::move(edge), vertices).status();
 }
 
-Status AddInertialTerms(const ViowinWindow& window, const WindowHandles& handles, Graph* graph) {
+Status AddInertialTerms(const ViowinWindow& window, PriorEdges priors, const WindowHandles& handles,
+                        Graph* graph) {
   const auto index = [](std::int32_t i) { return static_cast<std::size_t>(i); };
   for (const ViowinSpeedBiasPrior& prior : window.speed_bias_priors) {
     const auto added =
@@ -139,8 +152,12 @@ Status AddInertialTerms(const ViowinWindow& window, const WindowHandles& handles
                        {.sqrt_information = term.sqrt_information});
     if (!added.ok()) return added.status();
   }
-  for (const ViowinMarginalPrior& prior : window.marginal_priors) {
-    if (Status s = AddMarginalPrior(prior, handles, graph); !s.ok()) return s;
+  for (std::size_t k = 0; k < priors.size(); ++k) {
+    if (Status s =
+            AddMarginalPrior(window.marginal_priors[k], std::move(priors[k]), handles, graph);
+        !s.ok()) {
+      return s;
+    }
   }
   return {};
 }
@@ -152,6 +169,13 @@ Result<WindowHandles> AddToGraph(const ViowinWindow& window, WindowKind kind,
   // Whatever could be refused below is refused here, so that the graph gets all or nothing.
   if (Status s = window.Validate(); !s.ok()) return s;
   if (Status s = options.loss.Validate(); !s.ok()) return s;
+  if (kind != WindowKind::kVision && kind != WindowKind::kVisualInertial) {
+    return Status(StatusCode::kInvalidArgument, "window: kind is no WindowKind");
+  }
+  PriorEdges priors;
+  if (kind == WindowKind::kVisualInertial) {
+    if (Status s = MakePriorEdges(window, &priors); !s.ok()) return s;
+  }
 
   WindowHandles handles;
   if (Status s = AddStates(window, kind, &handles, graph); !s.ok()) return s;
@@ -165,7 +189,7 @@ Result<WindowHandles> AddToGraph(const ViowinWindow& window, WindowKind kind,
     if (!added.ok()) return added.status();
   }
   if (kind == WindowKind::kVisualInertial) {
-    if (Status s = AddInertialTerms(window, handles, graph); !s.ok()) return s;
+    if (Status s = AddInertialTerms(window, std::move(priors), handles, graph); !s.ok()) return s;
   }
   return handles;
 }

@@ -3,6 +3,7 @@
 #include <limits>
 #include <utility>
 
+#include "glissade/base/out_of_memory.h"
 #include "glissade/io/viowin.h"
 #include "io/text_reader.h"
 #include "io/viowin_check.h"
@@ -166,6 +167,7 @@ void ReadMarginalPrior(TextReader& in, const ViowinWindow& window, ViowinMargina
     ambient += internal::AmbientDim(block.kind);
     tangent += internal::TangentDim(block.kind);
   }
+  Judge(internal::CheckPriorSize(static_cast<std::size_t>(tangent)), in);
   AppendNumbers(in, ambient, "x0 of a marginal prior", &prior->x0);
   AppendNumbers(in, rows, "r0 of a marginal prior", &prior->r0);
   AppendNumbers(in, rows * tangent, "J of a marginal prior", &prior->jacobian);
@@ -200,17 +202,19 @@ void ReadWindow(TextReader& in, std::int64_t version, ViowinWindow* window) {
 }  // namespace
 
 Result<std::vector<ViowinWindow>> ReadViowin(const std::string& path) {
-  auto reader = TextReader::Open(path, '#');
-  if (!reader.ok()) return reader.status();
-  TextReader& in = reader.value();
-  in.Expect("VIOWIN");
-  const std::int64_t version = in.Integer(1, 2, "version of VIOWIN");
-  std::vector<ViowinWindow> windows;
-  do {
-    ReadWindow(in, version, &windows.emplace_back());
-  } while (in.ok() && !in.AtEnd());
-  if (!in.ok()) return in.status();
-  return windows;
+  return internal::OrOutOfMemory([&]() -> Result<std::vector<ViowinWindow>> {
+    auto reader = TextReader::Open(path, '#');
+    if (!reader.ok()) return reader.status();
+    TextReader& in = reader.value();
+    in.Expect("VIOWIN");
+    const std::int64_t version = in.Integer(1, 2, "version of VIOWIN");
+    std::vector<ViowinWindow> windows;
+    do {
+      ReadWindow(in, version, &windows.emplace_back());
+    } while (in.ok() && !in.AtEnd());
+    if (!in.ok()) return in.status();
+    return windows;
+  });
 }
 
 }  // namespace glissade

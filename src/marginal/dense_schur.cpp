@@ -48,6 +48,14 @@ int ApplyInverseRoot(int m, const double* block, double cut, int columns, double
 
 }  // namespace
 
+Status ValidateRelativeCut(double relative_cut, std::string_view whose) {
+  if (!std::isfinite(relative_cut)) {
+    return {StatusCode::kNotFinite, std::string(whose) + ": relative_cut is not finite"};
+  }
+  if (relative_cut < 1.0) return {};
+  return {StatusCode::kInvalidArgument, std::string(whose) + ": relative_cut must be below 1"};
+}
+
 int EliminateLeading(int n, int m, double* A, int lda, double relative_cut, DenseScratch* scratch,
                      unsigned char* weak) {
   if (m == 0) return 0;

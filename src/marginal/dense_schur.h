@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string_view>
 #include <vector>
+
+#include "glissade/base/status.h"
 
 namespace glissade::internal {
 
@@ -16,6 +19,9 @@ struct DenseScratch {
   std::vector<double> scale, block, panel, rows, work;
   std::vector<int> order;
 };
+
+/// Refuses a relative_cut that is not finite (kNotFinite) or would cut everything.
+Status ValidateRelativeCut(double relative_cut, std::string_view whose);
 
 /// Eliminates the first m of n variables: the trailing lower triangle becomes the Schur complement
 /// A22 - A21 A11^+ A12; the first m columns are void. A11 is scaled to a unit diagonal; Cholesky

@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/marginal/marginalize.h"
 
+#include <string>
 #include <utility>
 
+#include "glissade/base/out_of_memory.h"
 #include "glissade/base/validate.h"
 #include "glissade/edges/marginal_prior.h"
+#include "glissade/linear/instruction_set.h"
 #include "marginal/schur_form.h"
 #include "marginal/square_root_form.h"
 #include "marginal/system.h"
@@ -19,6 +22,7 @@ class MarginalWorkspace::Impl {
   internal::SchurForm schur;
   MarginalPrior prior;
   std::vector<const VertexOps*> types;
+  std::vector<AnyVertex> kept;
   std::unique_ptr<EdgeMarginalPrior> spare;  // an older prior, for its storage
 };
 
@@ -64,22 +68,38 @@ Status MakeEdge(const Graph& graph, const MarginalPrior& prior, MarginalWorkspac
   return {};
 }
 
-/// A prior edge may touch one eliminated vertex only: where it touches more they are kept.
-Status KeepLandmarksOf(const MarginalPrior& prior, Graph* graph) {
-  const auto eliminated = [&](AnyVertex vertex) {
-    const VertexPoolBase* pool = graph->PoolOf(vertex.type);
-    return pool->eliminated(pool->slots().IndexOf(vertex.slot));
-  };
-  int count = 0;
-  for (const AnyVertex& vertex : prior.vertices)
-    count += eliminated(vertex) ? 1 : 0;
-  for (const AnyVertex& vertex : prior.vertices) {
-    if (count < 2) break;
-    if (!eliminated(vertex)) continue;
-    if (Status s = graph->SetEliminated(vertex, false); !s.ok()) return s;
+/// A prior edge may touch one eliminated vertex only: where it touches more they are kept. Undone
+/// unless Commit() is called.
+class KeptLandmarks {
+ public:
+  KeptLandmarks(Graph* graph, std::vector<AnyVertex>* kept) : graph_(graph), kept_(*kept) {
+    kept_.clear();
   }
-  return {};
-}
+  KeptLandmarks(const KeptLandmarks&) = delete;
+  KeptLandmarks& operator=(const KeptLandmarks&) = delete;
+  ~KeptLandmarks() {
+    for (const AnyVertex& vertex : kept_) {
+      VertexPoolBase* pool = graph_->PoolOf(vertex.type);
+      pool->set_eliminated(pool->slots().IndexOf(vertex.slot), true);
+    }
+  }
+  Status Keep(const MarginalPrior& prior) {
+    for (const AnyVertex& vertex : prior.vertices) {
+      const VertexPoolBase* pool = graph_->PoolOf(vertex.type);
+      if (pool->eliminated(pool->slots().IndexOf(vertex.slot))) kept_.push_back(vertex);
+    }
+    if (kept_.size() < 2) kept_.clear();
+    for (const AnyVertex& vertex : kept_) {
+      if (Status s = graph_->SetEliminated(vertex, false); !s.ok()) return s;
+    }
+    return {};
+  }
+  void Commit() { kept_.clear(); }
+
+ private:
+  Graph* graph_;
+  std::vector<AnyVertex>& kept_;
+};
 
 /// One of the priors that have gone, for its storage.
 std::unique_ptr<EdgeMarginalPrior> TakeGonePrior(Graph* graph) {
@@ -97,10 +117,27 @@ std::unique_ptr<EdgeMarginalPrior> TakeGonePrior(Graph* graph) {
 
 }  // namespace
 
-Status ComputeMarginalPrior(const Graph& graph, std::span<const AnyVertex> vertices,
-                            const MarginalizeOptions& options, MarginalWorkspace* workspace,
-                            MarginalPrior* prior) {
+namespace {
+
+Status Validate(const MarginalizeOptions& options) {
+  const auto refuse = [](const char* what) {
+    return Status(StatusCode::kInvalidArgument, std::string("MarginalizeOptions: ") + what);
+  };
+  if (options.form != MarginalForm::kSquareRootQr && options.form != MarginalForm::kSchur) {
+    return refuse("form is no MarginalForm");
+  }
+  if (options.root != InformationRoot::kCholesky && options.root != InformationRoot::kEigen) {
+    return refuse("root is no InformationRoot");
+  }
+  return internal::ValidateRelativeCut(options.relative_cut, "MarginalizeOptions");
+}
+
+Status Compute(const Graph& graph, std::span<const AnyVertex> vertices,
+               const MarginalizeOptions& options, MarginalWorkspace* workspace,
+               MarginalPrior* prior) {
   Reset(prior);
+  if (Status s = CheckInstructionSet(); !s.ok()) return s;
+  if (Status s = Validate(options); !s.ok()) return s;
   MarginalWorkspace own;
   MarginalWorkspace::Impl& w = (workspace != nullptr ? *workspace : own).impl();
   internal::MarginalSystem& system = w.system;
@@ -131,6 +168,17 @@ Status ComputeMarginalPrior(const Graph& graph, std::span<const AnyVertex> verti
   return {};
 }
 
+}  // namespace
+
+Status ComputeMarginalPrior(const Graph& graph, std::span<const AnyVertex> vertices,
+                            const MarginalizeOptions& options, MarginalWorkspace* workspace,
+                            MarginalPrior* prior) {
+  const Status status =
+      internal::OrOutOfMemory([&] { return Compute(graph, vertices, options, workspace, prior); });
+  if (!status.ok()) Reset(prior);
+  return status;
+}
+
 Result<MarginalPrior> ComputeMarginalPrior(const Graph& graph, std::span<const AnyVertex> vertices,
                                            const MarginalizeOptions& options,
                                            MarginalWorkspace* workspace) {
@@ -141,16 +189,15 @@ Result<MarginalPrior> ComputeMarginalPrior(const Graph& graph, std::span<const A
   return prior;
 }
 
-Result<Marginalization> Marginalize(Graph* graph, std::span<const AnyVertex> vertices,
-                                    const MarginalizeOptions& options,
-                                    MarginalWorkspace* workspace) {
-  MarginalWorkspace own;
-  if (workspace == nullptr) workspace = &own;
+namespace {
+
+Result<Marginalization> TakeOut(Graph* graph, std::span<const AnyVertex> vertices,
+                                const MarginalizeOptions& options, MarginalWorkspace* workspace) {
   MarginalWorkspace::Impl& w = workspace->impl();
   if (Status s = ComputeMarginalPrior(*graph, vertices, options, workspace, &w.prior); !s.ok()) {
-    return graph->Refused(std::move(s));
+    return s;
   }
-  // All that can fail comes before the first change.
+  // All that can fail or run out of memory comes before the first change that is not undone.
   Marginalization result;
   result.rows = w.prior.rows();
   result.tangent_dim = w.prior.tangent_dim;
@@ -158,12 +205,14 @@ Result<Marginalization> Marginalize(Graph* graph, std::span<const AnyVertex> ver
   std::unique_ptr<DynamicEdge> edge;
   if (result.rows > 0 && result.tangent_dim > 0) {
     if (Status s = MakeEdge(*graph, w.prior, &w, &edge); !s.ok()) {
-      return graph->Refused(std::move(s));
+      return s;
     }
-    if (Status s = KeepLandmarksOf(w.prior, graph); !s.ok()) return s;
+    KeptLandmarks landmarks(graph, &w.kept);
+    if (Status s = landmarks.Keep(w.prior); !s.ok()) return s;
     auto added = graph->AddEdge(std::move(edge), w.prior.vertices);
     if (!added.ok()) return added.status();
     result.prior = added.value();
+    landmarks.Commit();
   }
   for (const AnyVertex& vertex : vertices) {
     // Older priors on it are part of the new one.
@@ -178,6 +227,19 @@ Result<Marginalization> Marginalize(Graph* graph, std::span<const AnyVertex> ver
     }
   }
   if (w.spare == nullptr) w.spare = TakeGonePrior(graph);
+  return result;
+}
+
+}  // namespace
+
+Result<Marginalization> Marginalize(Graph* graph, std::span<const AnyVertex> vertices,
+                                    const MarginalizeOptions& options,
+                                    MarginalWorkspace* workspace) {
+  MarginalWorkspace own;
+  if (workspace == nullptr) workspace = &own;
+  auto result =
+      internal::OrOutOfMemory([&] { return TakeOut(graph, vertices, options, workspace); });
+  if (!result.ok()) static_cast<void>(graph->Refused(result.status()));
   return result;
 }
 

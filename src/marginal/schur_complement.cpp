@@ -26,6 +26,7 @@ Status Invalid(const std::string& what) {
 Status SchurComplement(int n, const double* H, const double* b, std::span<const int> keep,
                        std::span<const int> marginalize, double relative_cut, double* S,
                        double* b_s, int* rank) {
+  if (Status s = ValidateRelativeCut(relative_cut, "SchurComplement"); !s.ok()) return s;
   std::vector<int> order;
   std::vector<unsigned char> seen(Index(n), 0);
   for (const std::span<const int> list : {marginalize, keep}) {

@@ -10,4 +10,19 @@ namespace glissade::test {
 /// sanitizers, which replace malloc themselves, and with C libraries other than glibc).
 std::int64_t MallocCount();
 
+/// While it lives, malloc and its relatives fail: for the allocation with this number (0: the next)
+/// or, `on`, for that and all later ones.
+class FailingMalloc {
+ public:
+  explicit FailingMalloc(std::int64_t number, bool on = false);
+  ~FailingMalloc();
+  FailingMalloc(const FailingMalloc&) = delete;
+  FailingMalloc& operator=(const FailingMalloc&) = delete;
+  /// Whether an allocation has failed.
+  [[nodiscard]] bool failed() const;
+
+ private:
+  std::int64_t number_;  // in all of the program's allocations
+};
+
 }  // namespace glissade::test

@@ -68,6 +68,10 @@ class Window {
     return problem.SetFixed(frames_.front());
   }
 
+  [[nodiscard]] VertexHandle<VertexPose> frame(int k) const {
+    return frames_[static_cast<std::size_t>(k)];
+  }
+
   Problem problem;
 
  private:
@@ -123,6 +127,29 @@ TEST_P(NoAllocation, InAReSolve) {
   const SolveSummary& summary = window.problem.Solve(options_);
   EXPECT_EQ(test::MallocCount() - before, 0);
   EXPECT_GE(summary.accepted_steps, 3);
+}
+
+// What a gauge holds was a list on the heap, in each solve.
+TEST_P(NoAllocation, InAReSolveUnderAFixedGauge) {
+  Window window(robust());
+  for (int k = 0; k < 10; ++k)
+    ASSERT_TRUE(window.AddFrame().ok());
+  options_.gauge = Gauge::Fixed{window.frame(0)};
+  window.problem.Solve(options_);
+  options_.gauge = Gauge::Fixed{window.frame(5)};
+  for (int turn = 0; turn < 3; ++turn) {
+    ASSERT_TRUE(window.problem
+                    .Set(window.frame(5),
+                         VertexPose{Pose(Quaternion::Identity(), Vector3(1.0, 0.02 * turn, 0.0))})
+                    .ok());
+    const std::int64_t before = test::MallocCount();
+    const SolveSummary& summary = window.problem.Solve(options_);
+    const std::int64_t after = test::MallocCount();
+    if (turn > 0) {
+      EXPECT_EQ(after - before, 0);
+    }
+    EXPECT_GE(summary.accepted_steps, 1);
+  }
 }
 
 TEST_P(NoAllocation, InASlidingWindow) {

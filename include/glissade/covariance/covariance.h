@@ -73,8 +73,8 @@ class Covariance {
   Covariance& operator=(Covariance&&) noexcept;
 
   /// Linearizes and factors. kSingular where the graph (in the gauge) leaves directions open: names
-  /// the vertices without information, which Uninformed() then lists. The graph is left as it was
-  /// (compacted).
+  /// the vertices without information, which Uninformed() then lists; kOutOfMemory where memory
+  /// runs out. The graph is left as it was (compacted).
   Status Compute(Graph* graph, const CovarianceOptions& options = {});
   /// Vertices in which Compute() found directions without information given all vertices before
   /// them: an order, not a judgement, where several share what is missing.

@@ -27,7 +27,8 @@ class EdgeMarginalPrior final : public DynamicEdge {
   /// vertices: the types, in the order in which the edge will be given its vertices. x0: their
   /// ambient states, one after the other. r0: rows. J: rows x D, row-major, with D the sum of the
   /// tangent dimensions. Refused: sizes that do not match and states that are none, such as a zero
-  /// quaternion (kInvalidArgument), numbers that are not finite (kNotFinite).
+  /// quaternion (kInvalidArgument), numbers that are not finite (kNotFinite), more columns than
+  /// there is memory for their D x D Hessian (kOutOfMemory).
   static Result<std::unique_ptr<EdgeMarginalPrior>> Create(
       std::span<const VertexOps* const> vertices, std::span<const double> x0,
       std::span<const double> r0, std::span<const double> jacobian);

@@ -78,6 +78,9 @@ struct ViowinImu {
 
 /// r = r0 + J (x boxminus x0): EdgeMarginalPrior. Visual-inertial problem only.
 struct ViowinMarginalPrior {
+  /// More than that is refused: a prior has a dense Hessian, of the square of its columns (here 128
+  /// MB), however few rows, and so bytes of a file, it has.
+  static constexpr std::size_t kMaxTangentDim = 4096;
   enum class Kind : char { kPose = 'p', kSpeedBias = 's', kInverseDepth = 'l' };
   struct Block {
     Kind kind = Kind::kPose;

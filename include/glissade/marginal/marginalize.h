@@ -35,8 +35,8 @@ struct MarginalizeOptions {
   InformationRoot root = InformationRoot::kCholesky;  ///< for kSchur
   /// Directions of what goes with less information than this part of the most, in units that give
   /// H a unit diagonal, count as having none; likewise in the root of the Schur form. <= 0: the
-  /// rounding of the sizes at hand. The square-root form applies the square root of it to J, and
-  /// to what goes only: columns that stay are cut at rounding.
+  /// rounding of the sizes at hand. Below 1. The square-root form applies the square root of it to
+  /// J, and to what goes only: columns that stay are cut at rounding.
   double relative_cut = 0.0;
   /// Edges not to be folded into the prior but dropped (lost), as OKVIS does with observations to
   /// keep the prior sparse. Edges that no marginalized vertex touches are not affected.
@@ -102,7 +102,8 @@ class MarginalWorkspace {
 /// on; partly fixed ones are marginalized over their free tangent. Neighbours that are fixed become
 /// variables of the prior nevertheless: what holds them now may let go later.
 ///
-/// Refused, with the culprit: dead handles, a vertex given twice, an edge without a finite value.
+/// Refused, with the culprit: options that make no sense, dead handles, a vertex given twice, an
+/// edge without a finite value. kOutOfMemory where memory runs out.
 Result<MarginalPrior> ComputeMarginalPrior(const Graph& graph, std::span<const AnyVertex> vertices,
                                            const MarginalizeOptions& options = {},
                                            MarginalWorkspace* workspace = nullptr);

@@ -33,9 +33,9 @@ Status SchurComplement(int n, const double* H, const double* b, std::span<const 
 /// relative_cut times the largest are left out (pseudo-inverse). relative_cut <= 0: 4 n eps.
 /// Variables in neither list are held where they are.
 ///
-/// Refused: sizes that do not match, an index out of range or twice (kInvalidArgument), H not
-/// symmetric to 1e-9 (kInvalidArgument), not finite (kNotFinite), H_mm with an eigenvalue that is
-/// negative beyond rounding (kNotPositive).
+/// Refused: relative_cut that is not finite or not below 1, sizes that do not match, an index out
+/// of range or twice (kInvalidArgument), H not symmetric to 1e-9 (kInvalidArgument), not finite
+/// (kNotFinite), H_mm with an eigenvalue that is negative beyond rounding (kNotPositive).
 ///
 /// Source: Leutenegger et al., "Keyframe-Based Visual-Inertial Odometry Using Nonlinear
 /// Optimization" (IJRR 2015), Eqs. (25)-(27).
