@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <string_view>
 
+#include "glissade/cameras/kannala_brandt.h"
+#include "glissade/cameras/pinhole.h"
+#include "glissade/cameras/radtan.h"
+#include "glissade/edges/reprojection_time_offset.h"
 #include "glissade/graph/builtin_pools.h"
 #include "glissade/lie/so3.h"
 
@@ -50,6 +54,13 @@ class LeverSearch {
     graph.ForEachEdge<E>([&](EdgeHandle<E>, const E& edge) { one = one && Add(edge.T_b_c.data); });
     return one;
   }
+  /// Edges that carry their extrinsic, through one camera model.
+  template <class Camera>
+  bool AddAllOf(const Graph& graph) {
+    return AddAll<EdgeReprojectionOf<Camera>>(graph) &&
+           AddAll<EdgeReprojectionXYZOf<Camera>>(graph) &&
+           AddAll<EdgeReprojectionTimeOffsetOf<Camera>>(graph);
+  }
   void Write(double* lever) const { std::copy_n(lever_, 3, lever); }
 
  private:
@@ -89,7 +100,8 @@ Result<Orbit> Orbit::Of(const Graph& graph, GaugeGroup group) {
   }
   if (group == GaugeGroup::kAuto || group == GaugeGroup::kMono) {
     const bool one_lever =
-        levers.AddAll<EdgeReprojection>(graph) && levers.AddAll<EdgeReprojectionXYZ>(graph);
+        levers.AddAllOf<CameraIdentity>(graph) && levers.AddAllOf<CameraPinhole>(graph) &&
+        levers.AddAllOf<CameraRadtan>(graph) && levers.AddAllOf<CameraKannalaBrandt>(graph);
     if (group == GaugeGroup::kAuto) {
       group = monocular && one_lever ? GaugeGroup::kMono : GaugeGroup::kStereo;
     }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "glissade/cameras/pinhole.h"
 #include "glissade/edges/marginal_prior.h"
 #include "glissade/losses/cauchy.h"
 #include "glissade/losses/huber.h"
@@ -81,6 +82,52 @@ TEST(Nullspace, IsExactAtAnyState) {
       EXPECT_TRUE(report->held.empty());
     }
   }
+}
+
+// The lever arm of a camera was looked for in edges on normalized coordinates only: with pixels,
+// the body's origin was scaled instead of the camera's centre.
+TEST(Nullspace, ScaleIsAboutTheCameraOfAnyModel) {
+  using EdgePinhole = EdgeReprojectionOf<CameraPinhole>;
+  GaugeScene scene(1, Options(GaugeGroup::kMono, true));
+  Problem& problem = scene.problem;
+  struct Observation {
+    EdgeReprojection edge;
+    EdgeVertexHandles<EdgePinhole> vertices;
+  };
+  std::vector<Observation> observations;
+  std::vector<AnyEdge> old;
+  const auto find = [&]<class V>(AnyVertex vertex, VertexHandle<V>* out) {
+    problem.ForEachVertex<V>([&](VertexHandle<V> handle, const V&) {
+      if (AnyVertex(handle) == vertex) *out = handle;
+    });
+  };
+  problem.ForEachEdge<EdgeReprojection>([&](auto handle, const EdgeReprojection& edge) {
+    const std::vector<AnyVertex> v = problem.VerticesOf(handle).value();
+    Observation o{edge, {}};
+    find(v[0], &std::get<0>(o.vertices));
+    find(v[1], &std::get<1>(o.vertices));
+    find(v[2], &std::get<2>(o.vertices));
+    observations.push_back(o);
+    old.push_back(handle);
+  });
+  ASSERT_GT(observations.size(), 100u);
+  for (const AnyEdge& edge : old)
+    ASSERT_TRUE(problem.RemoveEdge(edge).ok());
+  const CameraPinhole camera{400.0, 410.0, 320.0, 240.0};
+  for (const Observation& o : observations) {
+    const Vector2 px(400.0 * o.edge.uv_target[0] + 320.0, 410.0 * o.edge.uv_target[1] + 240.0);
+    EdgePinhole edge;
+    edge.uv_host = o.edge.uv_host;
+    edge.uv_target = px;
+    edge.T_b_c = o.edge.T_b_c;
+    edge.camera = camera;
+    ASSERT_TRUE(problem.AddEdge(edge, o.vertices).ok());
+  }
+  const auto report = CheckNullspace(&problem);
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_EQ(report->group, GaugeGroup::kMono);
+  EXPECT_LT(report->MaxKappa(), kRounding);
+  EXPECT_TRUE(report->edges.empty());
 }
 
 // Not so by accident: the same with a wrong group shows what is observed.

@@ -34,7 +34,8 @@ class Orbit {
 
   [[nodiscard]] GaugeGroup group() const { return group_; }
   [[nodiscard]] int dim() const { return Dimension(group_); }
-  /// p_B_C of the camera: its centre scales, the lever arm does not. Zero except for kMono.
+  /// p_B_C of the camera: its centre scales, the lever arm does not. Zero except for kMono. Taken
+  /// from the edges with the library's camera models; a model of your own is not seen.
   [[nodiscard]] const double* lever() const { return lever_; }
   [[nodiscard]] bool Moves(AnyVertex vertex) const;
 
