@@ -122,6 +122,9 @@ Result<NullspaceReport> Check(const Graph& graph, const Structure& structure,
   const int n = orbit->dim();
   bool observed = false;
   for (int k = 0; k < n; ++k) {
+    if (!std::isfinite(forms.total[k]) || !std::isfinite(forms.by_vertex[k])) {
+      return Status(StatusCode::kNotFinite, "CheckNullspace: the information is not finite");
+    }
     // Rounding can make a small form negative.
     const double information = std::max(0.0, forms.total[k]);
     const double kappa = forms.by_vertex[k] > 0.0 ? information / forms.by_vertex[k] : 0.0;

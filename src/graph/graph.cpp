@@ -205,20 +205,19 @@ Status Graph::RemoveVertexChecked(AnyVertex vertex, PriorOnVertex on_prior) {
   if (site.pool == nullptr) return UnknownHandle(vertex);
   // Every vertex under a prior has a first estimate: the others need no search.
   const bool has_estimate = site.pool->first_estimates().At(site.index) != nullptr;
-  if (has_estimate && on_prior == PriorOnVertex::kRefuse) {
-    if (const AnyEdge prior = PriorOn(*site.pool, site.index)) {
-      return {StatusCode::kUnderPrior,
-              "RemoveVertex: " + ToString(vertex) + " is under the marginal prior " +
-                  ToString(prior) + ", which would go too: Marginalize() keeps what it says of " +
-                  "others, PriorOnVertex::kRemove gives it up",
-              vertex, prior};
-    }
+  const AnyEdge prior = has_estimate ? PriorOn(*site.pool, site.index) : AnyEdge();
+  if (prior && on_prior == PriorOnVertex::kRefuse) {
+    return {StatusCode::kUnderPrior,
+            "RemoveVertex: " + ToString(vertex) + " is under the marginal prior " +
+                ToString(prior) + ", which would go too: Marginalize() keeps what it says of " +
+                "others, PriorOnVertex::kRemove gives it up",
+            vertex, prior};
   }
   DropFreeTangent(vertex);
   DropGaugeReference(vertex);
   // Connected edges are dead from here on (EdgePoolBase::Alive) and go at the next Compact().
   site.pool->Remove(vertex.slot);
-  if (has_estimate) DropOrphanedFirstEstimates();
+  if (prior) DropOrphanedFirstEstimates();
   StructureChanged();
   return {};
 }
@@ -226,8 +225,11 @@ Status Graph::RemoveVertexChecked(AnyVertex vertex, PriorOnVertex on_prior) {
 Status Graph::RemoveEdge(AnyEdge edge) {
   const EdgeSite site = Locate(edge);
   if (site.pool == nullptr) return Refused(UnknownHandle(edge));
+  const bool is_prior =
+      edge.type == &kTypeInfo<DynamicEdge> &&
+      static_cast<DynamicEdgePool*>(site.pool)->At(site.index).LinearizationPoint() != nullptr;
   site.pool->Remove(edge.slot);
-  if (edge.type == &kTypeInfo<DynamicEdge>) DropOrphanedFirstEstimates();
+  if (is_prior) DropOrphanedFirstEstimates();
   StructureChanged();
   return {};
 }

@@ -17,6 +17,10 @@ Status NoValue(const EdgePoolBase& pool, int edge) {
           handle};
 }
 
+Status Overflow(std::string_view what) {
+  return {StatusCode::kNotFinite, std::string(what) + ": the sum over all edges is not finite"};
+}
+
 template <class F>
 Status ForEachLiveEdge(const Graph::EdgePools& pools, F&& f) {
   for (const auto& pool : pools) {
@@ -100,6 +104,7 @@ Result<double> Graph::Chi2() const {
     return std::isfinite(s) ? Status() : NoValue(pool, edge);
   });
   if (!status.ok()) return status;
+  if (!std::isfinite(sum)) return Overflow("Chi2");
   return sum;
 }
 
@@ -107,11 +112,13 @@ Result<double> Graph::Cost() const {
   double sum = 0.0;
   const Status status = ForEachLiveEdge(edge_pools_, [&](const EdgePoolBase& pool, int edge) {
     const double s = pool.Chi2(edge);
-    const double cost = std::isfinite(s) ? internal::RobustScale(pool.loss(edge), s).cost : s;
+    // An s that has overflowed still has a cost where the loss is bounded, as in a solve.
+    const double cost = std::isnan(s) ? s : internal::RobustScale(pool.loss(edge), s).cost;
     sum += cost;
     return std::isfinite(cost) ? Status() : NoValue(pool, edge);
   });
   if (!status.ok()) return status;
+  if (!std::isfinite(sum)) return Overflow("Cost");
   return sum;
 }
 

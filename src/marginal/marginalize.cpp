@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/marginal/marginalize.h"
 
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -151,7 +152,8 @@ Status Compute(const Graph& graph, std::span<const AnyVertex> vertices,
   const auto finite = [](const std::vector<double>& x) {
     return internal::AllFinite(x.data(), static_cast<int>(x.size()));
   };
-  if (status.ok() && !(finite(prior->r0) && finite(prior->jacobian))) {
+  if (status.ok() && !(finite(prior->r0) && finite(prior->jacobian) &&
+                       std::isfinite(prior->report.constant_cost))) {
     status = {StatusCode::kNotFinite, "Marginalize: the prior is not finite"};
   }
   if (!status.ok()) {

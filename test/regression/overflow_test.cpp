@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Numbers that overflowed came out as good ones: sums of finite Chi2 and the constant cost of a
+// marginalization as inf, kappa of a null space as NaN, each with an ok status; and Cost() refused
+// what a solve had just minimized, where a bounded loss made a cost of a residual beyond double.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "glissade/problem/problem.h"
+
+namespace glissade {
+namespace {
+
+EdgeSE3Prior PriorAt(double x) {
+  EdgeSE3Prior prior;
+  prior.T_w_b.data[0] = x;
+  return prior;
+}
+
+TEST(Overflow, OfASumIsAStatus) {
+  Graph graph;
+  const auto pose = graph.AddVertex(VertexPose()).value();
+  for (int k = 0; k < 3; ++k)
+    ASSERT_TRUE(graph.AddEdge(PriorAt(1.2e154), {pose}).ok());
+  for (const AnyEdge& edge : graph.Edges()) {
+    const Result<double> one = graph.Chi2(edge);
+    ASSERT_TRUE(one.ok());
+    EXPECT_TRUE(std::isfinite(*one));
+  }
+  EXPECT_EQ(graph.Chi2().status().code(), StatusCode::kNotFinite);
+  EXPECT_EQ(graph.Cost().status().code(), StatusCode::kNotFinite);
+}
+
+TEST(Overflow, UnderABoundedLossHasACost) {
+  Problem problem;
+  const auto pose = problem.AddVertex(VertexPose()).value();
+  EdgeOptions<EdgeSE3Prior> bounded;
+  bounded.loss = Tukey{1.0};
+  ASSERT_TRUE(problem.AddEdge(PriorAt(1e160), {pose}, bounded).ok());
+  ASSERT_TRUE(problem.AddEdge(PriorAt(1.0), {pose}).ok());
+  const SolveSummary& summary = problem.Solve();
+  ASSERT_TRUE(summary.ok()) << summary.status.message();
+  const Result<double> cost = problem.Cost();
+  ASSERT_TRUE(cost.ok()) << cost.status().message();
+  EXPECT_NEAR(*cost, summary.final_cost, 1e-12);
+}
+
+TEST(Overflow, OfWhatAMarginalizationLeavesOutIsAStatus) {
+  Problem problem;
+  const auto pose = problem.AddVertex(VertexPose()).value();
+  ASSERT_TRUE(problem.AddEdge(PriorAt(1e155), {pose}).ok());
+  ASSERT_TRUE(problem.AddEdge(PriorAt(-1e155), {pose}).ok());
+  const auto done = problem.Marginalize({pose});
+  EXPECT_EQ(done.status().code(), StatusCode::kNotFinite);
+  EXPECT_EQ(problem.NumEdges(), 2);
+}
+
+TEST(Overflow, OfTheInformationAboutAGaugeIsAStatus) {
+  Problem problem;
+  const auto a = problem.AddVertex(VertexPose()).value();
+  const auto b = problem.AddVertex(VertexPose()).value();
+  EdgeOptions<EdgeRelativePose> weight;
+  weight.sqrt_information = 1e153 * SquareMatrix<6>::Identity();
+  for (int k = 0; k < 200; ++k)
+    ASSERT_TRUE(problem.AddEdge(EdgeRelativePose(), {a, b}, weight).ok());
+  const auto report = problem.CheckNullspace();
+  EXPECT_EQ(report.status().code(), StatusCode::kNotFinite) << report.status().message();
+}
+
+}  // namespace
+}  // namespace glissade
