@@ -246,5 +246,19 @@ TEST(GraphHandles, RandomAddsAndRemovalsAgreeWithAModel) {
   }
 }
 
+// An edge on one vertex: the Result in the braces is the vertex, not something to make all of the
+// argument of. A tuple of handles, and what was made of handles before, will do as well.
+TEST(GraphHandles, OneResultInBracesIsTheVertexOfAnEdgeOnOne) {
+  Graph graph;
+  const auto pose = graph.AddVertex(VertexPose{});
+  const auto handle = pose.value();
+  EXPECT_TRUE(graph.AddEdge(EdgeSE3Prior{}, {pose}).ok());
+  EXPECT_TRUE(graph.AddEdge(EdgeSE3Prior{}, {handle}).ok());
+  EXPECT_TRUE(graph.AddEdge(EdgeSE3Prior{}, std::tuple(handle)).ok());
+  const EdgeVertices<EdgeSE3Prior> kept{pose};
+  EXPECT_TRUE(graph.AddEdge(EdgeSE3Prior{}, kept).ok());
+  EXPECT_EQ(graph.NumEdges(), 4);
+}
+
 }  // namespace
 }  // namespace glissade::test

@@ -117,7 +117,8 @@ template <class Handle>
 std::string ToString(const Handle& handle) {
   const auto name = [](const auto& any) {
     if (!any || any.type == nullptr) return std::string("null");
-    return std::string(any.type->name) + " #" + std::to_string(any.slot);
+    std::string text(any.type->name);
+    return text.append(" #").append(std::to_string(any.slot));
   };
   if constexpr (requires { handle.type; }) {
     return name(handle);

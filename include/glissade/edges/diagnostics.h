@@ -184,6 +184,11 @@ class EdgeVertices<E, VertexList<V...>> {
   EdgeVertices(const VertexHandle<V>&... handles)  // NOLINT: implicit, {host, target, depth}
       requires(sizeof...(V) > 0)
       : handles_(handles...) {}
+  /// Results that hold handles: as they are given, so that the one Result of an edge on one vertex
+  /// is not taken for what can be converted to EdgeVertices.
+  template <class... H>
+  requires(sizeof...(V) > 0 && Fit<H...>()) EdgeVertices(const H&... handles)  // NOLINT: implicit
+      : handles_(static_cast<VertexHandle<V>>(handles)...) {}
   template <std::same_as<Handles> T>
   EdgeVertices(const T& handles)  // NOLINT: implicit
       : handles_(handles) {}

@@ -232,6 +232,8 @@ class EdgePool final : public EdgePoolBase {
         }
         const double s = WhitenedSquaredNorm(edge, r);
         const Loss& rho = loss(edge);
+        // Before a bounded loss makes a number of it.
+        if (std::isnan(s)) return s;
         return rho.trivial() ? 0.5 * s : internal::RobustScale(rho, s).cost;
       });
       if (!std::isfinite(cost)) {

@@ -37,6 +37,7 @@ bool EdgePool<E>::LinearizeOne(const std::int32_t* words, NormalEquationsSink* s
     });
   }
   const double s = internal::SquaredNorm<kRows>(r.data());
+  if (std::isnan(s)) return false;  // a bounded loss would make a number of it
   const Loss& rho = loss(edge);
   if (rho.trivial()) {
     sink->cost += 0.5 * s;

@@ -67,7 +67,8 @@ class Graph {
   /// edge or its handles (edges/diagnostics.h).
   template <class E>
   requires(!std::is_constructible_v<std::unique_ptr<DynamicEdge>, E>) Result<EdgeHandle<E>> AddEdge(
-      const E& edge, const EdgeVertices<E>& vertices, const EdgeOptions<E>& options = {});
+      const E& edge, const std::type_identity_t<EdgeVertices<E>>& vertices,
+      const EdgeOptions<E>& options = {});
   /// All or nothing; the options hold for each.
   template <EdgeType E>
   Result<std::vector<EdgeHandle<E>>> AddEdges(std::span<const E> edges,

@@ -93,7 +93,8 @@ Status Graph::CheckEdge(const E& edge, const EdgeVertexHandles<E>& vertices) con
 
 template <class E>
 requires(!std::is_constructible_v<std::unique_ptr<DynamicEdge>, E>)
-    Result<EdgeHandle<E>> Graph::AddEdge(const E& edge, const EdgeVertices<E>& vertices,
+    Result<EdgeHandle<E>> Graph::AddEdge(const E& edge,
+                                         const std::type_identity_t<EdgeVertices<E>>& vertices,
                                          const EdgeOptions<E>& options) {
   if constexpr (!EdgeType<E>) {
     internal::ExplainEdge<E>();
