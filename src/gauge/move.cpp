@@ -63,18 +63,25 @@ Status RefuseEdges(const std::vector<AnyEdge>& edges) {
           edges.front()};
 }
 
-void MoveStates(const OrbitMotion& g, const Orbit& orbit, Graph* graph) {
+/// Stops at the first vertex that overflows: no edge need tell, where none is on it.
+Status MoveStates(const OrbitMotion& g, const Orbit& orbit, Graph* graph) {
   std::vector<double> first;
+  const auto overflow = [](AnyVertex vertex) {
+    return Status(StatusCode::kNotFinite,
+                  "MoveAlongOrbit: " + ToString(vertex) + " would not stay finite", vertex);
+  };
   for (const auto& pool : graph->vertex_pools()) {
     for (int k = 0; k < pool->size(); ++k) {
       if (!pool->slots().AliveAt(k)) continue;
       const AnyVertex vertex = pool->HandleAt(k);
       if (!orbit.Moves(vertex)) continue;
       orbit.Move(g, vertex, pool->Data(k));
+      if (!internal::AllFinite(pool->Data(k), pool->ops().ambient_dim)) return overflow(vertex);
       const double* x_lin = pool->first_estimates().At(k);
       if (x_lin == nullptr) continue;
       first.assign(x_lin, x_lin + pool->ops().ambient_dim);
       orbit.Move(g, vertex, first.data());
+      if (!internal::AllFinite(first.data(), pool->ops().ambient_dim)) return overflow(vertex);
       pool->SetFirstEstimate(k, first.data());
     }
   }
@@ -93,6 +100,7 @@ void MoveStates(const OrbitMotion& g, const Orbit& orbit, Graph* graph) {
     orbit.Move(g, reference.anchor, reference.pose);
     reference.coordinate *= g.scale;
   }
+  return {};
 }
 
 Status Move(Graph* graph, const OrbitMotion& g, const Orbit& orbit, const MoveOptions& options) {
@@ -106,7 +114,7 @@ Status Move(Graph* graph, const OrbitMotion& g, const Orbit& orbit, const MoveOp
   const std::vector<GaugeReference> references = graph->gauge_references();
   PriorMover priors(graph, orbit);
   Status status = priors.Move(g, options.move_absolute_priors);
-  if (status.ok()) MoveStates(g, orbit, graph);
+  if (status.ok()) status = MoveStates(g, orbit, graph);
   const Result<double> after = status.ok() ? graph->Cost() : Result<double>(status);
   // What u cannot tell: an edge that is blind to small motions only.
   const double tolerance = 1e-9 * before.value() + 1e-12;

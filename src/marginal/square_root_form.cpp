@@ -46,7 +46,9 @@ Status SquareRootForm::Run(MarginalSystem* system, const MarginalizeOptions& opt
   report->constant_cost = 0.5 * (squared_rest_ + stack_.squared_rest());
 
   const int rows = stack_.result_end() - stack_.result_begin(), dim = system->staying_dim();
+  r0->reserve(Index(dim));  // whatever the rank, which varies
   r0->resize(Index(rows));
+  jacobian->reserve(Index(dim) * Index(dim));
   jacobian->resize(Index(rows) * Index(dim));
   for (int row = 0; row < rows; ++row) {
     const double* from = stack_.Row(stack_.result_begin() + row);
@@ -149,6 +151,7 @@ void SquareRootForm::Compress() {
   batch_.Reduce(0, 0.0, rounding_);
   squared_rest_ += batch_.squared_rest();
   triangle_rows_ = batch_.result_end();
+  triangle_.reserve(Index(landmark_columns_ + 1) * stride);  // whatever its rank, which varies
   triangle_.assign(batch_.Row(0), batch_.Row(triangle_rows_));
   waiting_rows_ = 0;
 }
@@ -186,6 +189,7 @@ void SquareRootForm::AddSource(const RowPanel& panel, const MarginalSystem& syst
 void SquareRootForm::StackRows(const MarginalSystem& system) {
   const int columns = system.going_dim() + system.staying_dim();
   sources_.clear();
+  sources_.reserve(Index(landmark_columns_) + 1);
   const int stride = (landmark_columns_ + 1 + 7) / 8 * 8;
   for (int row = 0; row < triangle_rows_; ++row) {
     Source source;

@@ -19,9 +19,16 @@ void StaircaseQr::Resize(int num_rows, int num_columns) {
   num_rows_ = num_rows;
   num_columns_ = num_columns;
   stride_ = (num_columns + 1 + 7) / 8 * 8;
+  // Ranks vary from one system of a size to the next, by rounding: by a row a column at the most.
+  if (Index(num_rows) > begin_.capacity()) begin_.reserve(Index(num_rows + num_columns));
+  if (Index(num_rows) * Index(stride_) > data_.capacity()) {
+    data_.reserve(Index(num_rows + num_columns) * Index(stride_));
+  }
   data_.assign(Index(num_rows) * Index(stride_), 0.0);
   begin_.assign(Index(num_rows), 0);
-  scratch_.reflector.resize(std::max(scratch_.reflector.size(), Index(num_rows) + 1));
+  if (scratch_.reflector.size() <= Index(num_rows)) {
+    scratch_.reflector.resize(Index(num_rows + num_columns) + 1);
+  }
 }
 
 int EliminateColumns(int rows, int num_going, int num_columns, double* data, int stride,

@@ -6,6 +6,7 @@
 // what a solve had just minimized, where a bounded loss made a cost of a residual beyond double.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -68,6 +69,23 @@ TEST(Overflow, OfTheInformationAboutAGaugeIsAStatus) {
     ASSERT_TRUE(problem.AddEdge(EdgeRelativePose(), {a, b}, weight).ok());
   const auto report = problem.CheckNullspace();
   EXPECT_EQ(report.status().code(), StatusCode::kNotFinite) << report.status().message();
+}
+
+TEST(Overflow, OfAVertexThatIsMovedIsAStatus) {
+  Problem problem;
+  ASSERT_TRUE(problem.AddVertex(VertexPose()).ok());
+  VertexSpeedBias fast;
+  fast.data[0] = fast.data[1] = 1.5e308;  // turned by 45 degrees, along y: 2.1e308
+  const auto moving = problem.AddVertex(fast).value();
+  OrbitMotion turn;
+  const double c = std::sqrt(0.5);
+  const double R[9] = {c, -c, 0.0, c, c, 0.0, 0.0, 0.0, 1.0};
+  std::copy_n(R, 9, turn.R);
+  const Status status = MoveAlongOrbit(&problem, turn, {.group = GaugeGroup::kVisualInertial});
+  EXPECT_EQ(status.code(), StatusCode::kNotFinite) << status.message();
+  EXPECT_EQ(status.vertex(), AnyVertex(moving));
+  EXPECT_EQ(problem.Get(moving).data[0], 1.5e308);
+  EXPECT_EQ(problem.Get(moving).data[1], 1.5e308);
 }
 
 }  // namespace
