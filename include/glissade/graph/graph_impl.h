@@ -43,11 +43,11 @@ Status Graph::CheckVertex(const V& value) const {
   const auto* begin = reinterpret_cast<const std::byte*>(&value);
   const auto* data = reinterpret_cast<const std::byte*>(value.Data());
   if (data < begin || data + sizeof(double) * V::kAmbientDim > begin + sizeof(V)) {
-    return {StatusCode::kInvalidArgument,
-            std::string(kTypeInfo<V>.name) + ": Data() must point into the vertex"};
+    return internal::About({StatusCode::kInvalidArgument, "Data() must point into the vertex"},
+                           kTypeInfo<V>.name);
   }
   if (!internal::AllFinite(value.Data(), V::kAmbientDim)) {
-    return {StatusCode::kNotFinite, std::string(kTypeInfo<V>.name) + ": state is not finite"};
+    return internal::About({StatusCode::kNotFinite, "state is not finite"}, kTypeInfo<V>.name);
   }
   return internal::About(internal::ValidateIfPossible(value), kTypeInfo<V>.name);
 }
