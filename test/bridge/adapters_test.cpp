@@ -127,7 +127,11 @@ struct Bundle {
 void ExpectSameEquationsAndOptimum(Problem* problem, Problem* reference) {
   ASSERT_TRUE(problem->MakeHessian().ok());
   ASSERT_TRUE(reference->MakeHessian().ok());
-  EXPECT_EQ(problem->FreeVertices(), reference->FreeVertices());
+  // The same vertices in the same order; their handles are of two graphs.
+  const auto ours = problem->FreeVertices(), theirs = reference->FreeVertices();
+  ASSERT_EQ(ours.size(), theirs.size());
+  for (std::size_t k = 0; k < ours.size(); ++k)
+    EXPECT_EQ(ToString(ours[k]), ToString(theirs[k]));
   EXPECT_LT(test::HessianError(problem->Hessian(), reference->Hessian()), 1e-13);
   EXPECT_LT(test::RelativeError(problem->Rhs(), reference->Rhs()), 1e-12);
   const double cost = reference->Solve().final_cost;

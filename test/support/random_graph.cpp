@@ -419,7 +419,9 @@ class Builder {
     }
     for (const AnyVertex& vertex : small_) {
       // May be refused: the edge to it may hold a landmark already.
-      if (random_.Chance(0.5)) static_cast<void>(graph_.SetEliminated(vertex, true));
+      if (random_.Chance(0.5) && !graph_.SetEliminated(vertex, true).ok()) {
+        static_cast<void>(graph_.AcknowledgeRefusal());
+      }
     }
     if (extrinsic_ != VertexHandle<VertexPose>() && random_.Chance(0.3)) {
       Require(graph_.SetFixed(extrinsic_, Fix::kPosition));
