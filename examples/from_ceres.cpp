@@ -56,7 +56,8 @@ int main() {
   std::printf("Jacobians: %s\n", check.ok ? "ok" : check.message.c_str());
   if (!check.ok) return 1;
 
-  const std::vector<Vector3> beacons = {{0, 0, 0}, {5, 0, 1}, {0, 5, 2}, {5, 5, 4}};
+  const std::vector<Vector3> beacons = {{0, 0, 0}, {5, 0, 1}, {0, 5, 2},
+                                        {5, 5, 4}, {2, 2, 7}, {3, 1, -5}};
   const Vector3 truth(2.0, 3.0, 0.5);
   double found[2][3];
   for (const bool with_cost_functions : {false, true}) {

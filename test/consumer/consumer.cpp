@@ -80,6 +80,7 @@ int main() {
     }
   }
   Check(!problem.AddEdge(EdgeRange{}, {}).ok(), "an edge without vertices is refused");
+  Check(!problem.AcknowledgeRefusal().ok(), "and the refusal is acknowledged");
 
   const SolveSummary summary = problem.Solve();
   std::printf("%s\n", summary.BriefReport().c_str());
