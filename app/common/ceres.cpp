@@ -26,6 +26,7 @@ ceres::LinearSolverType LinearSolverFor(const Graph& graph, LinearSolverType typ
     case LinearSolverType::kSparseCholesky:
       return ceres::SPARSE_SCHUR;
     case LinearSolverType::kPcg:
+    case LinearSolverType::kImplicitPcg:
       return ceres::ITERATIVE_SCHUR;
     case LinearSolverType::kAuto:
       break;

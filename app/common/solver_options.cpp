@@ -45,10 +45,11 @@ void SetMethod(std::string_view method, SolveOptions* solve) {
 SolveOptions SolverOptions::Chosen() const {
   SolveOptions chosen = solve;
   SetMethod(method, &chosen);
-  chosen.linear_solver_type = linear_solver == "dense"    ? LinearSolverType::kDenseCholesky
-                              : linear_solver == "sparse" ? LinearSolverType::kSparseCholesky
-                              : linear_solver == "pcg"    ? LinearSolverType::kPcg
-                                                          : LinearSolverType::kAuto;
+  chosen.linear_solver_type = linear_solver == "dense"          ? LinearSolverType::kDenseCholesky
+                              : linear_solver == "sparse"       ? LinearSolverType::kSparseCholesky
+                              : linear_solver == "pcg"          ? LinearSolverType::kPcg
+                              : linear_solver == "implicit-pcg" ? LinearSolverType::kImplicitPcg
+                                                                : LinearSolverType::kAuto;
   StopWhenInterrupted(&chosen);
   return chosen;
 }
@@ -73,10 +74,11 @@ void AddMethod(CLI::App& cli, SolverOptions* options, bool with_course) {
 }
 
 void AddLinearSolver(CLI::App& cli, SolverOptions* options) {
-  AddChoice(cli, "--linear-solver", &options->linear_solver, {"auto", "dense", "sparse", "pcg"},
+  AddChoice(cli, "--linear-solver", &options->linear_solver,
+            {"auto", "dense", "sparse", "pcg", "implicit-pcg"},
             "Of the reduced system: 'auto' (default), dense or sparse, whichever has less to do; "
             "'dense' or 'sparse' Cholesky; 'pcg', conjugate gradients with block-Jacobi "
-            "preconditioner");
+            "preconditioner; 'implicit-pcg', the same without forming the system");
 }
 
 void AddIterations(CLI::App& cli, SolverOptions* options) {

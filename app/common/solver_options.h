@@ -31,7 +31,7 @@ struct SolverOptions {
 
 /// --method lm|nielsen|dogleg, and course where asked.
 void AddMethod(CLI::App& cli, SolverOptions* options, bool with_course = false);
-/// --linear-solver auto|dense|sparse|pcg
+/// --linear-solver auto|dense|sparse|pcg|implicit-pcg
 void AddLinearSolver(CLI::App& cli, SolverOptions* options);
 /// --iterations N
 void AddIterations(CLI::App& cli, SolverOptions* options);

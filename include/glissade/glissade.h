@@ -29,6 +29,7 @@
 #include "glissade/imu/imu_factor.h"
 #include "glissade/imu/preintegration.h"
 #include "glissade/imu/reintegration.h"
+#include "glissade/linear/linear_solver.h"
 #include "glissade/losses/cauchy.h"
 #include "glissade/losses/huber.h"
 #include "glissade/losses/trivial.h"

@@ -51,7 +51,7 @@ struct Covariance::Impl {
   Status CheckLandmarks(double min_pivot);
   Status Factor(double min_pivot);
   /// H_ll^-1.
-  [[nodiscard]] Small LandmarkInverse(const LandmarkBlock& landmark) const;
+  [[nodiscard]] Small LandmarkInverse(int landmark) const;
   /// A of one vertex into columns of Y (n x dim).
   void FillColumns(const LinearizedGraph::Place& place, double* Y) const;
   [[nodiscard]] Result<JointCovariance> Joint(std::span<const AnyVertex> vertices) const;
@@ -72,10 +72,10 @@ int JointCovariance::IndexOf(AnyVertex vertex) const {
   return at == vertices.end() ? -1 : static_cast<int>(at - vertices.begin());
 }
 
-Small Covariance::Impl::LandmarkInverse(const LandmarkBlock& landmark) const {
-  const int dim = landmark.dim;
-  const Eigen::Map<const RowMajor> H(linear.equations.landmark_buffer().data() + landmark.record,
-                                     dim, dim);
+Small Covariance::Impl::LandmarkInverse(int landmark) const {
+  const DenseBlock block = linear.hessian->Landmark(Index(landmark)).H();
+  const int dim = block.rows;
+  const Eigen::Map<const RowMajor> H(block.data, dim, dim);
   // Scaled like S: units of a point and of its weights do not matter then.
   const Eigen::VectorXd scale = H.diagonal().cwiseSqrt().cwiseInverse();
   const Small scaled = scale.asDiagonal() * H * scale.asDiagonal();
@@ -84,16 +84,16 @@ Small Covariance::Impl::LandmarkInverse(const LandmarkBlock& landmark) const {
 
 Status Covariance::Impl::CheckLandmarks(double min_pivot) {
   int directions = 0;
-  for (const LandmarkBlock& landmark : linear.structure.landmarks()) {
-    const int dim = landmark.dim;
-    const double* H = linear.equations.landmark_buffer().data() + landmark.record;
+  for (std::size_t l = 0; l < linear.hessian->num_landmarks(); ++l) {
+    const DenseBlock H = linear.hessian->Landmark(l).H();
+    const int dim = H.rows;
     // Cholesky of the scaled block, pivots counted.
     double L[16] = {};
     int missing = 0;
     for (int c = 0; c < dim; ++c) {
       for (int r = c; r < dim; ++r) {
-        const double scale = std::sqrt(H[r * dim + r] * H[c * dim + c]);
-        double value = scale > 0.0 ? H[r * dim + c] / scale : 0.0;
+        const double scale = std::sqrt(H(r, r) * H(c, c));
+        double value = scale > 0.0 ? H(r, c) / scale : 0.0;
         for (int k = 0; k < c; ++k)
           value -= L[r * 4 + k] * L[c * 4 + k];
         if (r == c) {
@@ -107,16 +107,17 @@ Status Covariance::Impl::CheckLandmarks(double min_pivot) {
     }
     if (missing == 0) continue;
     directions += missing;
-    uninformed.push_back(linear.Handle(landmark));
+    uninformed.push_back(linear.Handle(linear.structure.landmarks()[l]));
   }
   return uninformed.empty() ? Status() : Singular(uninformed, directions);
 }
 
 Status Covariance::Impl::Factor(double min_pivot) {
-  const ReducedSystem S = linear.equations.reduced();
-  n = S.size;
-  stride = S.stride;
-  factor.assign(S.S, S.S + Index(n) * Index(stride));
+  const SchurOperator& reduced = linear.equations.reduced();
+  const BlockView S = reduced.Block(0);  // dense
+  n = static_cast<int>(reduced.layout().size());
+  stride = static_cast<int>(S.stride);
+  factor.resize(Index(n) * Index(stride));
   inverse_scale.resize(Index(n));
   for (int k = 0; k < n; ++k) {
     // Relative to H's own diagonal: what elimination leaves of it is then told from rounding.
@@ -128,7 +129,7 @@ Status Covariance::Impl::Factor(double min_pivot) {
     for (int c = 0; c < n; ++c) {
       double* column = factor.data() + Index(c) * Index(stride);
       for (int r = c; r < n; ++r)
-        column[r] = S.S[Index(c) * Index(stride) + Index(r)] * inverse_scale[Index(r)] *
+        column[r] = S.data[Index(c) * Index(stride) + Index(r)] * inverse_scale[Index(r)] *
                     inverse_scale[Index(c)];
       // A coordinate that nothing sees.
       if (inverse_scale[Index(c)] == 0.0) column[c] = 0.0;
@@ -228,19 +229,15 @@ void Covariance::Impl::FillColumns(const LinearizedGraph::Place& place, double* 
     return;
   }
   if (place.landmark < 0) return;
-  const LandmarkBlock& landmark = linear.structure.landmarks()[Index(place.landmark)];
-  const int dim = landmark.dim;
-  const Small inverse = LandmarkInverse(landmark);
-  const double* W = linear.equations.landmark_buffer().data() + landmark.record + dim * dim + dim;
-  for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
-    const int row = linear.structure.slot_row()[Index(s)];
-    const int rows = linear.structure.slot_dim()[Index(s)];
-    const Eigen::Map<const RowMajor> block(W, rows, dim);
-    for (int r = 0; r < rows; ++r) {
-      for (int c = 0; c < dim; ++c)
-        at(row + r, c) = -block.row(r).dot(inverse.col(c));
+  const Hessian::LandmarkPart landmark = linear.hessian->Landmark(Index(place.landmark));
+  const Small inverse = LandmarkInverse(place.landmark);
+  for (int s = 0; s < landmark.num_slots(); ++s) {
+    const DenseBlock W = landmark.W(s);
+    const Eigen::Map<const RowMajor> block(W.data, W.rows, W.cols);
+    for (int r = 0; r < W.rows; ++r) {
+      for (int c = 0; c < W.cols; ++c)
+        at(landmark.row(s) + r, c) = -block.row(r).dot(inverse.col(c));
     }
-    W += rows * dim;
   }
 }
 
@@ -296,9 +293,8 @@ Result<JointCovariance> Covariance::Impl::Joint(std::span<const AnyVertex> verti
   Eigen::MatrixXd cov = Y.transpose() * Y;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (places[i].landmark < 0) continue;
-    const LandmarkBlock& landmark = impl.linear.structure.landmarks()[Index(places[i].landmark)];
-    cov.block(out.offsets[i], out.offsets[i], landmark.dim, landmark.dim) +=
-        impl.LandmarkInverse(landmark);
+    const Small inverse = impl.LandmarkInverse(places[i].landmark);
+    cov.block(out.offsets[i], out.offsets[i], inverse.rows(), inverse.cols()) += inverse;
   }
   out.values.assign(cov.data(), cov.data() + cov.size());
   if (!cov.allFinite()) return Status(StatusCode::kNotFinite, "Covariance: not finite");

@@ -22,6 +22,7 @@ Status LinearizedGraph::Linearize(Graph* graph, const Gauge& gauge, int num_thre
   double cost = 0.0;
   status = equations.Linearize(structure, graph, &threads, &cost);
   if (!status.ok()) return status;
+  hessian = equations.GetHessian(structure);
   tangents = graph->free_tangents();
   references = graph->gauge_references();
   ListPlaces(*graph);
@@ -31,7 +32,8 @@ Status LinearizedGraph::Linearize(Graph* graph, const Gauge& gauge, int num_thre
 Status LinearizedGraph::Eliminate(const Graph& graph) {
   DampingTerm none;
   none.reduced_only = true;  // lambda is 0: no damping anywhere
-  const StepFailure failure = equations.Eliminate(structure, graph, none, &threads);
+  const StepFailure failure =
+      equations.Eliminate(structure, graph, none, SchurForm::kDense, &threads);
   return failure;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct LinearizedGraph {
 
   Structure structure;
   NormalEquations equations;
+  std::optional<Hessian> hessian;  ///< after Linearize
   ThreadPool threads;
   std::vector<FreeTangent> tangents;
   std::vector<GaugeReference> references;

@@ -25,26 +25,21 @@ Eigen::MatrixXd DenseHessian(const LinearizedGraph& linear) {
   const int num_poses = structure.num_pose_scalars();
   const int n = num_poses + structure.num_landmark_scalars();
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
-  for (const PoseBlockPair& pair : structure.h_blocks()) {
-    const PoseBlock& row = structure.poses()[Index(pair.row)];
-    const PoseBlock& col = structure.poses()[Index(pair.col)];
-    const ConstBlock block(linear.equations.h_pp().data() + pair.offset, row.dim, col.dim);
-    H.block(row.offset, col.offset, row.dim, col.dim) = block;
-    H.block(col.offset, row.offset, col.dim, row.dim) = block.transpose();
+  const auto set = [&](int row, int col, const DenseBlock& block) {
+    const ConstBlock values(block.data, block.rows, block.cols);
+    H.block(row, col, block.rows, block.cols) = values;
+    H.block(col, row, block.cols, block.rows) = values.transpose();
+  };
+  for (std::size_t k = 0; k < linear.hessian->num_pairs(); ++k) {
+    const Hessian::PosePair pair = linear.hessian->Pair(k);
+    set(linear.hessian->offset(pair.row), linear.hessian->offset(pair.col), pair.H);
   }
-  for (const LandmarkBlock& landmark : structure.landmarks()) {
-    const int dim = landmark.dim;
-    const int at = num_poses + landmark.step;
-    const double* data = linear.equations.landmark_buffer().data() + landmark.record;
-    H.block(at, at, dim, dim) = ConstBlock(data, dim, dim);
-    data += dim * dim + dim;
-    for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
-      const int row = structure.slot_row()[Index(s)], rows = structure.slot_dim()[Index(s)];
-      const ConstBlock W(data, rows, dim);
-      H.block(row, at, rows, dim) = W;
-      H.block(at, row, dim, rows) = W.transpose();
-      data += rows * dim;
-    }
+  for (std::size_t l = 0; l < linear.hessian->num_landmarks(); ++l) {
+    const Hessian::LandmarkPart landmark = linear.hessian->Landmark(l);
+    const int at = num_poses + structure.landmarks()[l].step;
+    set(at, at, landmark.H());
+    for (int s = 0; s < landmark.num_slots(); ++s)
+      set(landmark.row(s), at, landmark.W(s));
   }
   return H;
 }

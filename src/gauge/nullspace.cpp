@@ -8,6 +8,7 @@
 #include "gauge/gauge_breaches.h"
 #include "gauge/gauge_vectors.h"
 #include "glissade/base/out_of_memory.h"
+#include "glissade/linear/normal_equations.h"
 
 namespace glissade {
 
@@ -18,13 +19,12 @@ std::size_t Index(std::int64_t i) {
 }
 
 template <int N>
-void AddForms(double factor, int rows, int cols, const double* A, const double* x, const double* y,
-              double* sum) {
-  for (int r = 0; r < rows; ++r, x += N, A += cols) {
+void AddForms(double factor, const DenseBlock& A, const double* x, const double* y, double* sum) {
+  for (int r = 0; r < A.rows; ++r, x += N) {
     double row[N] = {};
-    for (int c = 0; c < cols; ++c) {
+    for (int c = 0; c < A.cols; ++c) {
       for (int k = 0; k < N; ++k)
-        row[k] += A[c] * y[c * N + k];
+        row[k] += A(r, c) * y[c * N + k];
     }
     for (int k = 0; k < N; ++k)
       sum[k] += factor * x[k] * row[k];
@@ -32,11 +32,11 @@ void AddForms(double factor, int rows, int cols, const double* A, const double* 
 }
 
 /// sum[k] += factor * x_k' A y_k for columns k of x (rows x n) and y (cols x n); all row-major.
-void AddForms(double factor, int n, int rows, int cols, const double* A, const double* x,
-              const double* y, double* sum) {
-  if (n == 4) return AddForms<4>(factor, rows, cols, A, x, y, sum);
-  if (n == 6) return AddForms<6>(factor, rows, cols, A, x, y, sum);
-  AddForms<7>(factor, rows, cols, A, x, y, sum);
+void AddForms(double factor, int n, const DenseBlock& A, const double* x, const double* y,
+              double* sum) {
+  if (n == 4) return AddForms<4>(factor, A, x, y, sum);
+  if (n == 6) return AddForms<6>(factor, A, x, y, sum);
+  AddForms<7>(factor, A, x, y, sum);
 }
 
 struct Forms {
@@ -49,31 +49,23 @@ Forms FormsOf(const Graph& graph, const Structure& structure, NormalEquations* e
               const GaugeVectors& vectors) {
   const int n = vectors.dim();
   Forms forms;
-  for (const PoseBlockPair& pair : structure.h_blocks()) {
+  const Hessian H = equations->GetHessian(structure);
+  for (std::size_t k = 0; k < H.num_pairs(); ++k) {
+    const Hessian::PosePair pair = H.Pair(k);
     const double* x = vectors.Pose(pair.row);
     const double* y = vectors.Pose(pair.col);
     if (x == nullptr || y == nullptr) continue;
-    const int rows = structure.poses()[Index(pair.row)].dim;
-    const int cols = structure.poses()[Index(pair.col)].dim;
-    const double* H = equations->h_pp().data() + pair.offset;
-    if (pair.row != pair.col) {
-      AddForms(2.0, n, rows, cols, H, x, y, forms.total);
-    } else {
-      AddForms(1.0, n, rows, cols, H, x, y, forms.by_vertex);
-    }
+    const bool diagonal = pair.row == pair.col;
+    AddForms(diagonal ? 1.0 : 2.0, n, pair.H, x, y, diagonal ? forms.by_vertex : forms.total);
   }
-  for (std::size_t l = 0; l < structure.landmarks().size(); ++l) {
-    const LandmarkBlock& landmark = structure.landmarks()[l];
+  for (std::size_t l = 0; l < H.num_landmarks(); ++l) {
+    const Hessian::LandmarkPart landmark = H.Landmark(l);
     const double* u = vectors.Landmark(static_cast<int>(l));
     if (u == nullptr) continue;
-    const double* H_ll = equations->landmark_buffer().data() + landmark.record;
-    AddForms(1.0, n, landmark.dim, landmark.dim, H_ll, u, u, forms.by_vertex);
-    const double* W = H_ll + landmark.dim * landmark.dim + landmark.dim;
-    for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
-      const int rows = structure.slot_dim()[Index(s)];
-      const double* x = vectors.Pose(structure.slot_block()[Index(s)]);
-      if (x != nullptr) AddForms(2.0, n, rows, landmark.dim, W, x, u, forms.total);
-      W += rows * landmark.dim;
+    AddForms(1.0, n, landmark.H(), u, u, forms.by_vertex);
+    for (int s = 0; s < landmark.num_slots(); ++s) {
+      const double* x = vectors.Pose(landmark.pose(s));
+      if (x != nullptr) AddForms(2.0, n, landmark.W(s), x, u, forms.total);
     }
   }
   for (int k = 0; k < n; ++k)

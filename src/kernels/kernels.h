@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "kernels/reprojection.h"
+#include "kernels/schur.h"
 
 namespace glissade::kernels {
 
@@ -62,6 +63,10 @@ struct KernelTable {
 
   /// y = A x, A symmetric by its lower triangle. x and y must not overlap.
   void (*symv_lower)(int n, const double* a, int lda, const double* x, double* y);
+  /// y += the part of A x that the first `columns` columns of the lower triangle make, their
+  /// mirror image included.
+  void (*symv_lower_columns)(int n, int columns, const double* a, int lda, const double* x,
+                             double* y);
   /// x'y.
   double (*dot)(int n, const double* x, const double* y);
   /// y += alpha x.
@@ -95,14 +100,15 @@ struct KernelTable {
 
   // ---- Landmark elimination ---------------------------------------------------------------------
 
-  /// S -= Y W' for one landmark of tangent dimension dl (1 to 4) that touches m blocks:
-  ///   S[row_offset[a].., row_offset[b]..] -= Y_a W_b'   for all a >= b.
-  /// Y and W hold their blocks one after the other, block a row-major dim[a] x dl; Y_a = W_a
-  /// H_ll^-1. row_offset (the first scalar row of each block in S) ascends, blocks do not overlap,
-  /// dim[a] is 1 to 16. Only the block-lower part of S is touched; diagonal blocks are updated
-  /// whole.
-  void (*schur_update)(int m, const int32_t* row_offset, const int32_t* dim, int dl,
-                       const double* y, const double* w, double* s, int lds);
+  /// One landmark's part of the Schur complement in block columns [begin, end) of its vertices:
+  ///   S(a, c) -= W_a H_ll^-1 W_c'   for all a >= c,    b(c) -= W_c H_ll^-1 b_l.
+  /// Diagonal blocks are updated whole. scratch: SchurScratch() numbers.
+  void (*schur_update)(const SchurLandmark* landmark, SchurRows rows, int begin, int end,
+                       const SchurTarget* target, double* scratch);
+  /// y -= W H_ll^-1 W' x.
+  void (*schur_multiply)(const SchurLandmark* landmark, const double* x, double* y);
+  /// step = H_ll^-1 (b_l - W' x), dl numbers.
+  void (*landmark_step)(const SchurLandmark* landmark, const double* x, double* step);
 
   // ---- Reprojection, fused (kernels/reprojection.h) ---------------------------------------------
 

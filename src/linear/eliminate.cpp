@@ -10,7 +10,9 @@
 #include "glissade/linear/normal_equations.h"
 #include "kernels/kernels.h"
 #include "linear/block_copy.h"
+#include "linear/landmark_view.h"
 #include "linear/reprojection_terms.h"
+#include "linear/schur_storage.h"
 
 namespace glissade {
 
@@ -20,190 +22,51 @@ std::size_t Index(std::int64_t i) {
   return static_cast<std::size_t>(i);
 }
 
-constexpr int kColumnsPerTask = 64;
+constexpr int kTasksPerThread = 4;
 
 }  // namespace
 
-ReducedSystem NormalEquations::reduced() const {
-  ReducedSystem system;
-  system.size = num_poses_scalars_;
-  system.offsets = pose_offsets_;
-  system.S = S_[0].data();
-  system.stride = stride_;
-  system.b = b_s_[0].data();
-  system.pattern = reduced_pattern_;
-  system.pattern_version = pattern_version_;
-  return system;
+const SchurLayout& NormalEquations::ReducedLayout(const Structure& structure) {
+  return schur_->AllBlocks(structure);
 }
 
-// Blocks of S that H_pp does not write, and so must be cleared.
-void NormalEquations::ListBlocksOnlyInReduced(const Structure& structure) {
-  const std::size_t n = structure.poses().size();
-  in_h_.assign(n * n, 0);
-  for (const PoseBlockPair& pair : structure.h_blocks())
-    in_h_[Index(pair.row) * n + Index(pair.col)] = 1;
-  only_in_reduced_.clear();
-  const auto add = [&](std::int32_t row, std::int32_t col) {
-    if (in_h_[Index(row) * n + Index(col)] == 0) only_in_reduced_.push_back({row, col});
-  };
-  for (const BlockIndex& block : reduced_pattern_)
-    add(block.row, block.col);
-  for (std::size_t row = 0; reduced_pattern_.empty() && row < n; ++row) {
-    for (std::size_t col = 0; col <= row; ++col)
-      add(static_cast<std::int32_t>(row), static_cast<std::int32_t>(col));
-  }
+const SchurOperator& NormalEquations::reduced() {
+  // Bound here, not in Eliminate(): these equations may have been moved since.
+  schur_->SetProduct([](void* self, const double* x,
+                        double* y) { static_cast<NormalEquations*>(self)->MultiplyReduced(x, y); },
+                     this);
+  return *schur_;
 }
 
-void NormalEquations::ClearBlocks(std::span<const BlockIndex> blocks, double* S) const {
-  for (const BlockIndex& block : blocks) {
-    const std::int32_t row = pose_offsets_[Index(block.row)];
-    const std::int32_t rows = pose_offsets_[Index(block.row) + 1] - row;
-    for (std::int32_t c = pose_offsets_[Index(block.col)]; c < pose_offsets_[Index(block.col) + 1];
-         ++c) {
-      std::fill_n(S + row + static_cast<std::ptrdiff_t>(c) * stride_, rows, 0.0);
-    }
-  }
+const std::vector<double>& NormalEquations::reduced_rhs() const {
+  return schur_->rhs();
 }
 
-void NormalEquations::ScatterPoseBlocks(const Structure& structure, const DampingTerm& damping) {
-  double* S = S_[0].data();
-  for (const PoseBlockPair& pair : structure.h_blocks()) {
-    const PoseBlock& row = structure.poses()[Index(pair.row)];
-    const PoseBlock& col = structure.poses()[Index(pair.col)];
-    const double* block = h_pp_[0].data() + pair.offset;
-    double* out = S + row.offset + static_cast<std::ptrdiff_t>(col.offset) * stride_;
-    internal::CopyRowMajorBlock(row.dim, col.dim, block, out, stride_);
-  }
-  for (int k = 0; k < num_poses_scalars_; ++k) {
-    double& pivot = S[k + static_cast<std::ptrdiff_t>(k) * stride_];
-    if (held_[Index(k)] != 0) {
-      pivot = 1.0;
-      continue;
-    }
-    const double d =
-        damping.identity || damping.reduced_only
-            ? 1.0
-            : std::clamp(diagonal_[Index(k)], damping.min_diagonal, damping.max_diagonal);
-    pivot += damping.lambda * d;
-  }
-}
-
-bool NormalEquations::EliminateChunk(const Structure& structure, const DampingTerm& damping,
-                                     int chunk) {
-  const kernels::KernelTable& kernel = kernels::Kernels();
-  std::vector<double>& S = S_[Index(chunk)];
-  std::vector<double>& b_s = b_s_[Index(chunk)];
-  if (chunk == 0) {
-    ClearBlocks(only_in_reduced_, S.data());
-    ScatterPoseBlocks(structure, damping);
-    std::copy(b_p_[0].begin(), b_p_[0].end(), b_s.begin());
-  } else {
-    if (reduced_pattern_.empty()) {
-      std::fill(S.begin(), S.end(), 0.0);
-    } else {
-      ClearBlocks(reduced_pattern_, S.data());
-    }
-    std::fill(b_s.begin(), b_s.end(), 0.0);
-  }
-  double* const y = chunks_[Index(chunk)].y.data();
+void NormalEquations::InvertLandmarks(const Structure& structure, const DampingTerm& damping,
+                                      int chunk) {
+  chunks_[Index(chunk)].failed_landmark = -1;
   for (int l = structure.landmark_chunks()[Index(chunk)];
        l < structure.landmark_chunks()[Index(chunk) + 1]; ++l) {
     const LandmarkBlock& landmark = structure.landmarks()[Index(l)];
     const int dim = landmark.dim;
     const double* H_ll = landmarks_.data() + landmark.record;
-    const double* b_l = H_ll + dim * dim;
-    const double* W = b_l + dim;
     double* inverse = h_ll_inverse_.data() + inverse_begin_[Index(l)];
     std::copy_n(H_ll, dim * dim, inverse);
-    if (!damping.reduced_only) {
-      for (int k = 0; k < dim; ++k) {
-        const double d = damping.identity ? 1.0
-                                          : std::clamp(H_ll[k * dim + k], damping.min_diagonal,
-                                                       damping.max_diagonal);
-        inverse[k * dim + k] += damping.lambda * d;
-      }
-    }
-    if (kernel.invert_spd_small(dim, inverse) != 0) {
+    for (int k = 0; k < dim && !damping.reduced_only; ++k)
+      inverse[k * dim + k] += damping.lambda * DampingOf(damping, H_ll[k * dim + k]);
+    if (kernels::Kernels().invert_spd_small(dim, inverse) != 0) {
       chunks_[Index(chunk)].failed_landmark = l;
-      return false;
+      return;
     }
-    const int m = landmark.slot_end - landmark.slot_begin;
-    if (m == 0) continue;
-    const std::int32_t* row = structure.slot_row().data() + landmark.slot_begin;
-    const std::int32_t* size = structure.slot_dim().data() + landmark.slot_begin;
-    int k = 0;
-    for (int a = 0; a < m; ++a) {
-      for (int r = 0; r < size[a]; ++r, k += dim) {
-        double b = 0.0;
-        for (int c = 0; c < dim; ++c) {
-          double sum = 0.0;
-          for (int i = 0; i < dim; ++i)
-            sum += W[k + i] * inverse[i * dim + c];
-          y[k + c] = sum;
-          b += sum * b_l[c];
-        }
-        b_s[Index(row[a] + r)] -= b;
-      }
-    }
-    kernel.schur_update(m, row, size, dim, y, W, S.data(), stride_);
   }
-  return true;
 }
 
-void NormalEquations::ReduceChunks(int num_chunks, ThreadPool* threads) {
-  if (num_chunks == 1) return;
-  for (int c = 1; c < num_chunks; ++c) {
-    for (std::size_t k = 0; k < b_s_[0].size(); ++k)
-      b_s_[0][k] += b_s_[Index(c)][k];
-  }
-  const int tasks = (num_poses_scalars_ + kColumnsPerTask - 1) / kColumnsPerTask;
-  threads->Run(tasks, [&](int task) {
-    const int end = std::min(num_poses_scalars_, (task + 1) * kColumnsPerTask);
-    for (int col = task * kColumnsPerTask; col < end; ++col) {
-      const std::size_t begin = Index(col) * Index(stride_);
-      for (int c = 1; c < num_chunks; ++c) {
-        const double* from = S_[Index(c)].data() + begin;
-        double* to = S_[0].data() + begin;
-        for (int r = col; r < num_poses_scalars_; ++r)
-          to[r] += from[r];
-      }
-    }
-  });
-}
-
-StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& graph,
-                                       const DampingTerm& damping, ThreadPool* threads) {
-  const int num_chunks = structure.num_chunks();
-  // Copies of S are for landmarks of the general path; the fused ones bring their own.
-  const int num_copies = structure.landmarks().empty() ? 1 : num_chunks;
-  if (S_.size() < Index(num_copies)) {
-    S_.resize(Index(num_copies));
-    b_s_.resize(Index(num_copies));
-  }
-  for (int c = 0; c < num_chunks; ++c) {
-    chunks_[Index(c)].failed_landmark = chunks_[Index(c)].failed_lane = -1;
-  }
-  for (int c = 0; c < num_copies; ++c) {
-    S_[Index(c)].resize(Index(num_poses_scalars_) * Index(stride_));
-    b_s_[Index(c)].resize(Index(num_poses_scalars_));
-  }
-  inverse_begin_.resize(structure.landmarks().size());
-  std::int32_t total = 0;
-  for (std::size_t l = 0; l < structure.landmarks().size(); ++l) {
-    inverse_begin_[l] = total;
-    total += structure.landmarks()[l].dim * structure.landmarks()[l].dim;
-  }
-  h_ll_inverse_.resize(Index(total));
-
-  threads->Run(num_chunks, [&](int chunk) {
-    if (chunk < num_copies) EliminateChunk(structure, damping, chunk);
-    chunks_[Index(chunk)].failed_lane = reprojections_->Eliminate(structure, damping, chunk);
-  });
-  for (int c = 0; c < num_chunks; ++c) {
+StepFailure NormalEquations::CheckLandmarks(const Structure& structure, const Graph& graph) const {
+  StepFailure failure;
+  for (int c = 0; c < structure.num_chunks(); ++c) {
     const int failed = chunks_[Index(c)].failed_landmark;
     const int lane = chunks_[Index(c)].failed_lane;
     if (failed < 0 && lane < 0) continue;
-    StepFailure failure;
     failure.code = StatusCode::kSingular;
     failure.what = "has too little information to be eliminated";
     failure.is_landmark = true;
@@ -214,19 +77,126 @@ StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& 
       failure.vertex = graph.Pool<VertexInverseDepth>()->HandleAt(
           structure.reprojections().landmark_of_lane[Index(lane)]);
     }
-    return failure;
+    break;
   }
-  ReduceChunks(num_copies, threads);
-  reprojections_->AddReduced(structure, graph, threads, S_[0].data(), stride_, b_s_[0].data());
+  return failure;
+}
+
+// What S and b_s are before landmarks: H_pp, damping and unit rows; zero where H_pp has no block.
+// The constant H of linear edges comes from where the edges keep it, not by way of H_pp.
+void NormalEquations::StartColumns(const Structure& structure, const DampingTerm& damping,
+                                   std::int32_t begin, std::int32_t end) {
+  double* const S = schur_->data();
+  const std::vector<PoseBlock>& poses = structure.poses();
+  for (std::int32_t c = begin; c < end; ++c) {
+    const PoseBlock& col = poses[Index(c)];
+    for (std::size_t k = schur_->ColumnBegin(c); k < schur_->ColumnBegin(c + 1); ++k) {
+      const BlockPlace place = schur_->Place(k);
+      if (!place.stored()) continue;
+      const int rows = poses[Index(structure.reduced_pattern()[k].row)].dim;
+      double* out = S + place.offset;
+      const std::int32_t varying = schur_->VaryingBlock(k);
+      std::int32_t constant = schur_->FirstConstant(k);
+      if (varying >= 0) {
+        const PoseBlockPair& pair = structure.varying_blocks()[Index(varying)];
+        internal::CopyRowMajorBlock(rows, col.dim, h_pp_[0].data() + pair.offset, out,
+                                    place.stride);
+      } else if (constant >= 0) {
+        const BlockView& from = constants_[Index(constant)];
+        internal::CopyBlock<internal::BlockCopy::kSet>(rows, col.dim, from.data, from.stride, out,
+                                                       place.stride);
+        constant = schur_->NextConstant(constant);
+      } else {
+        for (int i = 0; i < col.dim; ++i)
+          std::fill_n(out + std::ptrdiff_t{i} * place.stride, rows, 0.0);
+      }
+      for (; constant >= 0; constant = schur_->NextConstant(constant)) {
+        const BlockView& from = constants_[Index(constant)];
+        internal::CopyBlock<internal::BlockCopy::kAdd>(rows, col.dim, from.data, from.stride, out,
+                                                       place.stride);
+      }
+    }
+    // The diagonal block is the first of its column.
+    const BlockPlace place = schur_->Place(schur_->ColumnBegin(c));
+    for (int i = 0; i < col.dim; ++i) {
+      const std::size_t scalar = Index(col.offset + i);
+      double& pivot = S[place.offset + std::ptrdiff_t{i} * (place.stride + 1)];
+      pivot =
+          held_[scalar] != 0 ? 1.0 : pivot + damping.lambda * DampingOf(damping, diagonal_[scalar]);
+    }
+    std::copy_n(b_p_[0].data() + col.offset, col.dim, schur_->rhs().data() + col.offset);
+  }
+}
+
+// Block columns [begin, end) of S -= W H_ll^-1 W', and what belongs to them of b_s. Landmarks come
+// in the same order whatever the range is, so that cutting the work differently changes no bit.
+void NormalEquations::ReduceColumns(const Structure& structure, std::int32_t begin,
+                                    std::int32_t end, double* scratch) {
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  const kernels::SchurTarget target = schur_->Target();
+  const bool whole = begin == 0 && Index(end) == structure.poses().size();
+  for (std::size_t l = 0; l < structure.landmarks().size(); ++l) {
+    const LandmarkBlock& block = structure.landmarks()[l];
+    const std::int32_t* first = structure.slot_block().data() + block.slot_begin;
+    const std::int32_t* last = structure.slot_block().data() + block.slot_end;
+    if (first == last || first[0] >= end || last[-1] < begin) continue;
+    const auto from = whole ? first : std::lower_bound(first, last, begin);
+    const auto to = whole ? last : std::lower_bound(from, last, end);
+    const kernels::SchurLandmark landmark =
+        LandmarkOf(structure, block, landmarks_, h_ll_inverse_.data() + inverse_begin_[l]);
+    kernel.schur_update(&landmark, schur_->RowsOf(structure, l), static_cast<int>(from - first),
+                        static_cast<int>(to - first), &target, scratch);
+  }
+}
+
+StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& graph,
+                                       const DampingTerm& damping, SchurForm form,
+                                       ThreadPool* threads) {
+  schur_->LayOut(structure, form);
+  eliminated_ = &structure;
+  threads_ = threads;
+  damping_ = damping;
+  const std::size_t num_landmarks = structure.landmarks().size();
+  inverse_begin_.resize(num_landmarks);
+  std::int64_t total = 0;
+  for (std::size_t l = 0; l < num_landmarks; ++l) {
+    inverse_begin_[l] = total;
+    total += structure.landmarks()[l].dim * structure.landmarks()[l].dim;
+  }
+  h_ll_inverse_.resize(Index(total));
+
+  threads->Run(structure.num_chunks(), [&](int chunk) {
+    InvertLandmarks(structure, damping, chunk);
+    chunks_[Index(chunk)].failed_lane = reprojections_->Eliminate(structure, damping, chunk);
+  });
+  if (StepFailure failure = CheckLandmarks(structure, graph); !failure.ok()) return failure;
+
+  // Tasks own block columns: nothing is summed up afterwards, and one thread takes them all at
+  // once.
+  const int threads_used = num_landmarks > 0 ? threads->num_threads() : 1;
+  const std::vector<std::int32_t>& cuts =
+      schur_->CutColumns(structure, threads_used == 1 ? 1 : kTasksPerThread * threads_used);
+  const int num_tasks = static_cast<int>(cuts.size()) - 1;
+  scratch_.resize(std::max(scratch_.size(), Index(num_tasks)));
+  threads->Run(num_tasks, [&](int task) {
+    std::vector<double>& scratch = scratch_[Index(task)];
+    scratch.resize(Index(kernels::SchurScratch(structure.max_w_size())));
+    StartColumns(structure, damping, cuts[Index(task)], cuts[Index(task) + 1]);
+    ReduceColumns(structure, cuts[Index(task)], cuts[Index(task) + 1], scratch.data());
+  });
+  reprojections_->AddReduced(structure, graph, threads, schur_->reprojection_places(),
+                             schur_->data(), schur_->rhs().data());
   return {};
 }
 
 StepFailure NormalEquations::Solve(const Structure& structure, const Graph& graph,
-                                   LinearSolver* solver, ThreadPool* threads,
-                                   LinearSolverResult* result) {
+                                   LinearSolver* solver, const SolveRequest& request,
+                                   ThreadPool* threads, LinearSolverResult* result) {
   *result = {};
   if (num_poses_scalars_ > 0) {
-    *result = solver->Solve(reduced(), step_.data());
+    const SchurOperator& S = reduced();
+    *result = solver->Prepare(S);
+    if (result->ok) *result = solver->Solve(S, schur_->rhs().data(), step_.data(), request);
     if (!result->ok) {
       StepFailure failure;
       failure.code = StatusCode::kSingular;
@@ -246,27 +216,11 @@ StepFailure NormalEquations::Solve(const Structure& structure, const Graph& grap
   threads->Run(structure.num_chunks(), [&](int chunk) {
     for (int l = structure.landmark_chunks()[Index(chunk)];
          l < structure.landmark_chunks()[Index(chunk) + 1]; ++l) {
-      const LandmarkBlock& landmark = structure.landmarks()[Index(l)];
-      const int dim = landmark.dim;
-      const double* b_l = landmarks_.data() + landmark.record + dim * dim;
-      const double* W = b_l + dim;
-      double rhs[4];
-      std::copy_n(b_l, dim, rhs);
-      for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
-        const double* dx = step_.data() + structure.slot_row()[Index(s)];
-        for (int r = 0; r < structure.slot_dim()[Index(s)]; ++r, W += dim) {
-          for (int k = 0; k < dim; ++k)
-            rhs[k] -= W[k] * dx[r];
-        }
-      }
-      const double* inverse = h_ll_inverse_.data() + inverse_begin_[Index(l)];
-      double* dx_l = step_.data() + num_poses_scalars_ + landmark.step;
-      for (int r = 0; r < dim; ++r) {
-        double sum = 0.0;
-        for (int c = 0; c < dim; ++c)
-          sum += inverse[r * dim + c] * rhs[c];
-        dx_l[r] = sum;
-      }
+      const LandmarkBlock& block = structure.landmarks()[Index(l)];
+      const kernels::SchurLandmark landmark =
+          LandmarkOf(structure, block, landmarks_, h_ll_inverse_.data() + inverse_begin_[Index(l)]);
+      kernels::Kernels().landmark_step(&landmark, step_.data(),
+                                       step_.data() + num_poses_scalars_ + block.step);
     }
     reprojections_->BackSubstitute(structure, step_, chunk, step_.data() + num_poses_scalars_);
   });

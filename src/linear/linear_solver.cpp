@@ -3,30 +3,34 @@
 #include "glissade/linear/linear_solver.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "kernels/kernels.h"
 
 namespace glissade {
 
-void ReducedSystem::Multiply(const double* x, double* y) const {
-  kernels::Kernels().symv_lower(size, S, stride, x, y);
-}
-
-LinearSolverResult DenseCholeskySolver::Solve(const ReducedSystem& system, double* x) {
-  const auto stride = static_cast<std::size_t>(system.stride);
-  const int n = system.size;
-  factor_.resize(stride * static_cast<std::size_t>(n));
-  for (int col = 0; col < n; ++col) {
-    const std::size_t begin = static_cast<std::size_t>(col) * stride;
-    std::copy(system.S + begin + col, system.S + begin + n, factor_.data() + begin + col);
+LinearSolverResult DenseCholeskySolver::Prepare(const SchurOperator& S) {
+  const BlockView block = S.Block(0);
+  const auto n = static_cast<std::size_t>(S.layout().size());
+  const auto stride = static_cast<std::size_t>(block.stride);
+  stride_ = static_cast<int>(stride);
+  factor_.resize(stride * n);
+  for (std::size_t col = 0; col < n; ++col) {
+    const double* from = block.data + col * stride;
+    std::copy(from + col, from + n, factor_.data() + col * stride + col);
   }
   LinearSolverResult result;
-  const kernels::KernelTable& kernel = kernels::Kernels();
-  result.failed_pivot = kernel.cholesky(n, factor_.data(), system.stride) - 1;
-  if (result.failed_pivot >= 0) return result;
-  std::copy_n(system.b, n, x);
-  kernel.cholesky_solve(n, factor_.data(), system.stride, x);
+  result.failed_pivot =
+      kernels::Kernels().cholesky(static_cast<int>(n), factor_.data(), stride_) - 1;
+  result.ok = result.failed_pivot < 0;
+  return result;
+}
+
+LinearSolverResult DenseCholeskySolver::Solve(const SchurOperator& S, const double* b, double* x,
+                                              const SolveRequest&) {
+  const auto n = static_cast<int>(S.layout().size());
+  std::copy_n(b, n, x);
+  kernels::Kernels().cholesky_solve(n, factor_.data(), stride_, x);
+  LinearSolverResult result;
   result.ok = true;
   return result;
 }

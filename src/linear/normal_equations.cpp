@@ -7,6 +7,7 @@
 #include <string>
 
 #include "linear/reprojection_terms.h"
+#include "linear/schur_storage.h"
 
 namespace glissade {
 
@@ -24,19 +25,6 @@ StepFailure NoValue(const Graph& graph, int pool, int edge) {
   return failure;
 }
 
-/// x <- P'x for the part x of a vector or matrix that belongs to a partly fixed vertex: E'x, then
-/// zeros where a coordinate is held.
-void Project(const FreeTangent& tangent, double* x, int stride) {
-  double free[FreeTangent::kMaxTangentDim] = {};
-  for (int c = 0; c < tangent.free_dim; ++c) {
-    for (int r = 0; r < tangent.tangent_dim; ++r) {
-      free[c] += tangent.basis[r * tangent.free_dim + c] * x[r * stride];
-    }
-  }
-  for (int k = 0; k < tangent.tangent_dim; ++k)
-    x[k * stride] = free[k];
-}
-
 }  // namespace
 
 StepFailure::operator Status() const {
@@ -47,15 +35,15 @@ StepFailure::operator Status() const {
   return {code, std::string(what) + " at vertex " + ToString(vertex), vertex};
 }
 
-NormalEquations::NormalEquations() : reprojections_(std::make_unique<ReprojectionTerms>()) {}
+NormalEquations::NormalEquations()
+    : reprojections_(std::make_unique<ReprojectionTerms>()),
+      schur_(std::make_unique<SchurStorage>()) {}
 NormalEquations::~NormalEquations() = default;
 NormalEquations::NormalEquations(NormalEquations&&) noexcept = default;
 NormalEquations& NormalEquations::operator=(NormalEquations&&) noexcept = default;
 
 void NormalEquations::Resize(const Structure& structure) {
   num_poses_scalars_ = structure.num_pose_scalars();
-  // A multiple of 8 keeps columns 64-byte aligned relative to each other.
-  stride_ = (num_poses_scalars_ + 7) / 8 * 8;
   const std::size_t chunks = Index(structure.num_chunks());
   if (chunks_.size() < chunks) {
     chunks_.resize(chunks);
@@ -63,9 +51,8 @@ void NormalEquations::Resize(const Structure& structure) {
     b_p_.resize(chunks);
   }
   for (std::size_t c = 0; c < chunks; ++c) {
-    h_pp_[c].resize(Index(structure.h_size()));
+    h_pp_[c].resize(Index(structure.varying_size()));
     b_p_[c].resize(Index(num_poses_scalars_));
-    chunks_[c].y.resize(Index(structure.max_w_size()));
   }
   landmarks_.resize(Index(structure.landmark_buffer_size()));
   const std::size_t size = Index(num_poses_scalars_ + structure.num_landmark_scalars());
@@ -73,16 +60,6 @@ void NormalEquations::Resize(const Structure& structure) {
   b_.resize(size);
   step_.assign(size, 0.0);
   held_.assign(Index(num_poses_scalars_), 0);
-  if (pattern_version_ != structure.analysis()) {
-    pose_offsets_ = structure.pose_offsets();
-    reduced_pattern_ = structure.reduced_pattern();
-    pattern_version_ = structure.analysis();
-    ListBlocksOnlyInReduced(structure);
-    // Blocks outside the pattern are never written: zero them once.
-    for (auto& S : S_) {
-      S.assign(Index(num_poses_scalars_) * Index(stride_), 0.0);
-    }
-  }
 }
 
 void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& graph, int chunk) {
@@ -142,6 +119,7 @@ StepFailure NormalEquations::CheckCosts(const Structure& structure, const Graph&
 Status NormalEquations::Linearize(const Structure& structure, Graph* graph, ThreadPool* threads,
                                   double* cost) {
   linearized_ = 0;
+  is_whole_ = false;
   Resize(structure);
   point_.Keep(*graph);
   for (FreeTangent& tangent : graph->free_tangents()) {
@@ -159,28 +137,8 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
   if (num_chunks > 1) SumChunks(num_chunks, threads);
   ProjectFreeTangents(structure, graph);
 
-  // diag(H) and b in one vector each.
-  for (const PoseBlock& pose : structure.poses()) {
-    for (int k = 0; k < pose.dim; ++k) {
-      const std::size_t scalar = Index(pose.offset + k);
-      diagonal_[scalar] = h_pp_[0][Index(pose.h_diagonal + k * pose.dim + k)];
-      b_[scalar] = b_p_[0][scalar];
-    }
-  }
-  for (const LandmarkBlock& landmark : structure.landmarks()) {
-    const double* record = landmarks_.data() + landmark.record;
-    for (int k = 0; k < landmark.dim; ++k) {
-      const std::size_t scalar = Index(num_poses_scalars_ + landmark.step + k);
-      diagonal_[scalar] = record[k * landmark.dim + k];
-      b_[scalar] = record[landmark.dim * landmark.dim + k];
-    }
-  }
-  const std::size_t first_lane = Index(num_poses_scalars_ + structure.reprojections().first_step);
-  const std::size_t lanes = structure.reprojections().landmark_of_lane.size();
-  for (std::size_t k = 0; k < lanes; ++k) {
-    diagonal_[first_lane + k] = reprojections_->h()[k];
-    b_[first_lane + k] = reprojections_->b()[k];
-  }
+  FindConstants(structure, *graph);
+  FillDiagonal(structure);
   linearized_ = structure.analysis();
   return {};
 }
@@ -198,43 +156,6 @@ void NormalEquations::SumChunks(int num_chunks, ThreadPool* threads) {
   for (int c = 1; c < num_chunks; ++c) {
     for (std::size_t k = 0; k < b_p_[0].size(); ++k)
       b_p_[0][k] += b_p_[Index(c)][k];
-  }
-}
-
-void NormalEquations::ProjectFreeTangents(const Structure& structure, Graph* graph) {
-  if (graph->free_tangents().empty()) return;
-  // P = [E 0]: edges filled full blocks; E' goes over them once per vertex, and the coordinates
-  // that are held become unit rows, so that blocks keep their size.
-  const auto tangent_of = [&](const PoseBlock& pose) -> const FreeTangent& {
-    return graph->free_tangents()[Index(pose.free_tangent)];
-  };
-  for (const PoseBlockPair& pair : structure.h_blocks()) {
-    const PoseBlock& row = structure.poses()[Index(pair.row)];
-    const PoseBlock& col = structure.poses()[Index(pair.col)];
-    double* H = h_pp_[0].data() + pair.offset;
-    if (row.free_tangent >= 0) {
-      for (int c = 0; c < col.dim; ++c)
-        Project(tangent_of(row), H + c, col.dim);
-    }
-    if (col.free_tangent >= 0) {
-      for (int r = 0; r < row.dim; ++r)
-        Project(tangent_of(col), H + r * col.dim, 1);
-    }
-  }
-  for (const LandmarkBlock& landmark : structure.landmarks()) {
-    double* w = landmarks_.data() + landmark.record + landmark.dim * landmark.dim + landmark.dim;
-    for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
-      const PoseBlock& pose = structure.poses()[Index(structure.slot_block()[Index(s)])];
-      for (int c = 0; pose.free_tangent >= 0 && c < landmark.dim; ++c)
-        Project(tangent_of(pose), w + c, landmark.dim);
-      w += pose.dim * landmark.dim;
-    }
-  }
-  for (const PoseBlock& pose : structure.poses()) {
-    if (pose.free_tangent < 0) continue;
-    Project(tangent_of(pose), b_p_[0].data() + pose.offset, 1);
-    for (int k = tangent_of(pose).free_dim; k < pose.dim; ++k)
-      held_[Index(pose.offset + k)] = 1;
   }
 }
 
@@ -312,10 +233,9 @@ double NormalEquations::ModelDecrease(const Structure& structure, const DampingT
       0.5 * (GradientDotStep() + damping.lambda * StepDampingStep(structure, damping));
   if (!result.exact) {
     residual_.resize(Index(num_poses_scalars_));
-    const ReducedSystem system = reduced();
-    system.Multiply(step_.data(), residual_.data());
-    for (int k = 0; k < num_poses_scalars_; ++k) {
-      decrease -= 0.5 * step_[Index(k)] * (residual_[Index(k)] - system.b[k]);
+    reduced().Multiply(step_.data(), residual_.data());
+    for (std::size_t k = 0; k < residual_.size(); ++k) {
+      decrease -= 0.5 * step_[k] * (residual_[k] - schur_->rhs()[k]);
     }
   }
   return decrease;

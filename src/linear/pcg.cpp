@@ -8,83 +8,97 @@
 
 namespace glissade {
 
-int PcgSolver::FactorPreconditioner(const ReducedSystem& system) {
-  const bool scalar = options_.preconditioner == Preconditioner::kJacobi;
-  const std::size_t num_blocks = system.offsets.size() - 1;
-  if (scalar) {
-    inverse_.resize(static_cast<std::size_t>(system.size));
-    for (int k = 0; k < system.size; ++k) {
-      const double d = system(k, k);
-      if (!(d > 0.0)) return k;
-      inverse_[static_cast<std::size_t>(k)] = 1.0 / d;
+namespace {
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+}  // namespace
+
+int PcgSolver::FactorDiagonalBlock(std::int64_t offset, int dim, BlockView block) {
+  if (preconditioner_ == Preconditioner::kJacobi) {
+    for (int k = 0; k < dim; ++k) {
+      const double d = block.data[k + k * block.stride];
+      if (!(d > 0.0)) return static_cast<int>(offset) + k;
+      inverse_[Index(offset + k)] = 1.0 / d;
     }
     return -1;
   }
-  block_begin_.resize(num_blocks + 1);
-  block_begin_[0] = 0;
-  for (std::size_t k = 0; k < num_blocks; ++k) {
-    const std::int64_t dim = system.offsets[k + 1] - system.offsets[k];
-    block_begin_[k + 1] = block_begin_[k] + dim * dim;
+  factor_begin_.push_back(static_cast<std::int64_t>(inverse_.size()));
+  inverse_.resize(inverse_.size() + Index(dim) * Index(dim));
+  double* factor = inverse_.data() + factor_begin_.back();
+  for (int c = 0; c < dim; ++c) {
+    for (int r = c; r < dim; ++r)
+      factor[r + c * dim] = block.data[r + c * block.stride];
   }
-  inverse_.resize(static_cast<std::size_t>(block_begin_.back()));
-  for (std::size_t k = 0; k < num_blocks; ++k) {
-    const int offset = system.offsets[k];
-    const int dim = system.offsets[k + 1] - offset;
-    double* factor = inverse_.data() + block_begin_[k];
-    for (int c = 0; c < dim; ++c) {
-      for (int r = c; r < dim; ++r)
-        factor[r + c * dim] = system(offset + r, offset + c);
-    }
-    const int info = kernels::Kernels().cholesky(dim, factor, dim);
-    if (info != 0) return offset + info - 1;
-  }
-  return -1;
+  const int info = kernels::Kernels().cholesky(dim, factor, dim);
+  return info == 0 ? -1 : static_cast<int>(offset) + info - 1;
 }
 
-void PcgSolver::Precondition(const ReducedSystem& system, const double* r, double* z) const {
-  if (options_.preconditioner == Preconditioner::kJacobi) {
-    for (int k = 0; k < system.size; ++k)
-      z[k] = inverse_[static_cast<std::size_t>(k)] * r[k];
+LinearSolverResult PcgSolver::Prepare(const SchurOperator& S) {
+  const SchurLayout& layout = S.layout();
+  factor_begin_.clear();
+  inverse_.clear();
+  if (preconditioner_ == Preconditioner::kJacobi) inverse_.resize(Index(layout.size()));
+  LinearSolverResult result;
+  // Blocks are by column, so diagonal ones come in the order of the vertices.
+  for (std::size_t k = 0; k < layout.blocks.size() && result.failed_pivot < 0; ++k) {
+    const BlockIndex block = layout.blocks[k];
+    if (block.row != block.col) continue;
+    result.failed_pivot =
+        FactorDiagonalBlock(layout.offsets[Index(block.row)], layout.Dim(block.row), S.Block(k));
+  }
+  result.ok = result.failed_pivot < 0;
+  return result;
+}
+
+void PcgSolver::Precondition(const SchurLayout& layout, const double* r, double* z) const {
+  if (preconditioner_ == Preconditioner::kJacobi) {
+    for (std::size_t k = 0; k < inverse_.size(); ++k)
+      z[k] = inverse_[k] * r[k];
     return;
   }
-  std::copy_n(r, system.size, z);
-  for (std::size_t k = 0; k + 1 < system.offsets.size(); ++k) {
-    const int offset = system.offsets[k];
-    const int dim = system.offsets[k + 1] - offset;
-    kernels::Kernels().cholesky_solve(dim, inverse_.data() + block_begin_[k], dim, z + offset);
+  std::copy_n(r, layout.size(), z);
+  for (std::size_t v = 0; v < factor_begin_.size(); ++v) {
+    const int dim = layout.Dim(static_cast<std::int32_t>(v));
+    kernels::Kernels().cholesky_solve(dim, inverse_.data() + factor_begin_[v], dim,
+                                      z + layout.offsets[v]);
   }
 }
 
-LinearSolverResult PcgSolver::Solve(const ReducedSystem& system, double* x) {
+LinearSolverResult PcgSolver::Solve(const SchurOperator& S, const double* b, double* x,
+                                    const SolveRequest& request) {
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  const SchurLayout& layout = S.layout();
+  const int n = static_cast<int>(layout.size());
+  for (std::vector<double>* v : {&r_, &z_, &p_, &q_})
+    v->resize(Index(n));
+  std::copy_n(b, n, r_.data());
+  if (request.guess != nullptr) {
+    std::copy_n(request.guess, n, x);
+    S.Multiply(x, q_.data());
+    kernel.axpy(n, -1.0, q_.data(), r_.data());
+  } else {
+    std::fill_n(x, n, 0.0);
+  }
+  const double target = request.tolerance * std::sqrt(kernel.dot(n, b, b));
+  const int cap = request.max_iterations > 0 ? request.max_iterations : 2 * n;
+  double rho = 0.0;
   LinearSolverResult result;
   result.exact = false;
-  result.failed_pivot = FactorPreconditioner(system);
-  if (result.failed_pivot >= 0) return result;
-  const kernels::KernelTable& kernel = kernels::Kernels();
-  const int n = system.size;
-  for (std::vector<double>* v : {&r_, &z_, &p_, &q_})
-    v->resize(static_cast<std::size_t>(n));
-  std::fill_n(x, n, 0.0);
-  std::copy_n(system.b, n, r_.data());
-  const double target = options_.tolerance * std::sqrt(kernel.dot(n, system.b, system.b));
-  const int cap = options_.max_iterations > 0 ? options_.max_iterations : 2 * n;
-  double rho = 0.0;
   result.ok = true;
-  while (result.iterations < cap) {
+  while (result.iterations < cap && !request.Stop()) {
     if (std::sqrt(kernel.dot(n, r_.data(), r_.data())) <= target) break;
-    Precondition(system, r_.data(), z_.data());
+    Precondition(layout, r_.data(), z_.data());
     const double rho_next = kernel.dot(n, r_.data(), z_.data());
     if (result.iterations == 0) {
       p_ = z_;
     } else {
       const double beta = rho_next / rho;
-      for (int k = 0; k < n; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        p_[i] = z_[i] + beta * p_[i];
-      }
+      for (std::size_t k = 0; k < p_.size(); ++k)
+        p_[k] = z_[k] + beta * p_[k];
     }
     rho = rho_next;
-    system.Multiply(p_.data(), q_.data());
+    S.Multiply(p_.data(), q_.data());
     const double curvature = kernel.dot(n, p_.data(), q_.data());
     if (!(curvature > 0.0)) {
       // Rounding has eaten what was left of the residual, or S is not positive definite.

@@ -112,7 +112,8 @@ void ReprojectionTerms::ProjectMaps(const Structure& structure, const Graph& gra
 }
 
 void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& graph,
-                                   ThreadPool* threads, double* S, int stride, double* b_s) {
+                                   ThreadPool* threads, const std::vector<BlockPlace>& places,
+                                   double* S, double* b_s) {
   const ReprojectionPlan& plan = structure.reprojections();
   if (plan.empty()) return;
   const kernels::KernelTable& kernel = kernels::Kernels();
@@ -123,6 +124,7 @@ void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& grap
   threads->Run(num_chunks, [&](int task) {
     const std::size_t end = num_blocks * Index(task + 1) / Index(num_chunks);
     for (std::size_t k = num_blocks * Index(task) / Index(num_chunks); k < end; ++k) {
+      if (!places[k].stored()) continue;
       double* const block = chunks_.front().blocks.data() + kBlockSize * k;
       for (int c = 1; c < num_chunks; ++c) {
         const double* other = chunks_[Index(c)].blocks.data() + kBlockSize * k;
@@ -133,10 +135,7 @@ void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& grap
       if (row == col) MirrorLower(block);
       // Blocks are column-major, map_block is row-major: (Tr'B Tc)' = Tc'B'Tr.
       kernel.map_block(1.0, projected_maps_[Index(col)].T, block, kBlockStride,
-                       projected_maps_[Index(row)].T,
-                       S + structure.poses()[Index(row)].offset +
-                           Index(structure.poses()[Index(col)].offset) * Index(stride),
-                       stride, 1);
+                       projected_maps_[Index(row)].T, S + places[k].offset, places[k].stride, 1);
       if (row == col) AddRhs(structure, row, b_s);
     }
   });
@@ -158,40 +157,107 @@ void ReprojectionTerms::AddRhs(const Structure& structure, std::int32_t block, d
   }
 }
 
-// out = factor (b_l - W' dx) for the lanes of a chunk.
-void ReprojectionTerms::Apply(const Structure& structure, const std::vector<double>& dx, int chunk,
-                              const double* factor, double* out) {
+// The twists of a group's frames when going by x: the host's, then those of its targets.
+void ReprojectionTerms::FillTwists(const Structure& structure, const double* x, int group,
+                                   int chunk) {
   const ReprojectionPlan& plan = structure.reprojections();
-  if (plan.empty()) return;
-  const auto twist = [&](std::int32_t block, double* xi) {
+  const ReprojectionGroup& g = plan.groups[Index(group)];
+  std::vector<double>& twists = chunks_[Index(chunk)].twists;
+  const int num_frames = g.pair_end - g.pair_begin + 1;
+  if (twists.size() < Index(6 * num_frames)) twists.resize(Index(6 * num_frames));
+  for (int k = 0; k < num_frames; ++k) {
+    const std::int32_t block =
+        k == 0 ? g.host.block : plan.pairs[Index(g.pair_begin + k - 1)].target.block;
+    double* xi = twists.data() + 6 * k;
     std::fill_n(xi, 6, 0.0);
-    if (block < 0) return;
+    if (block < 0) continue;
     const double* T = projected_maps_[Index(block)].T;
-    const double* d = dx.data() + structure.poses()[Index(block)].offset;
+    const double* d = x + structure.poses()[Index(block)].offset;
     for (int r = 0; r < 6; ++r) {
       for (int c = 0; c < 6; ++c)
         xi[r] += T[8 * r + c] * d[c];
     }
-  };
-  std::vector<double>& twists = chunks_[Index(chunk)].twists;
+  }
+}
+
+// out = factor (b_l - W' dx) for the lanes of a chunk.
+void ReprojectionTerms::Apply(const Structure& structure, const double* dx, int chunk,
+                              const double* factor, double* out) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return;
   for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
+    FillTwists(structure, dx, g, chunk);
+    const std::int32_t lane = plan.groups[Index(g)].lane_begin;
+    kernels::Kernels().reprojection_back_substitute(HostOf(g), chunks_[Index(chunk)].twists.data(),
+                                                    factor + lane, out + lane);
+  }
+}
+
+// W' x is not taken from Apply(): what b_l adds there would cost it all its digits where x is
+// small.
+void ReprojectionTerms::SubtractProduct(const Structure& structure, const double* x, int chunk,
+                                        double* y) {
+  const ReprojectionPlan& plan = structure.reprojections();
+  if (plan.empty()) return;
+  std::vector<double>& u = chunks_[Index(chunk)].product;
+  for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
+    FillTwists(structure, x, g, chunk);
     const ReprojectionGroup& group = plan.groups[Index(g)];
-    const Host* host = HostOf(g);
-    if (twists.size() < Index(6 * (host->num_targets + 1))) {
-      twists.resize(Index(6 * (host->num_targets + 1)));
+    const double* twists = chunks_[Index(chunk)].twists.data();
+    const Host& host = *HostOf(g);
+    const std::size_t lanes = Index(host.lanes);
+    const double *px = host.point, *py = px + lanes, *pz = py + lanes;
+    u.assign(lanes, 0.0);
+    for (int k = 0; k < host.num_targets; ++k) {
+      const Target& t = host.targets[k];
+      const std::size_t count = Index(t.lanes);
+      const double *fx = t.force, *fy = fx + count, *fz = fy + count;
+      double z[6];
+      for (int i = 0; i < 6; ++i)
+        z[i] = twists[i] - twists[6 * (k + 1) + i];
+      for (std::size_t l = 0; l < count; ++l) {
+        u[l] += fx[l] * (z[0] + z[4] * pz[l] - z[5] * py[l]) +
+                fy[l] * (z[1] + z[5] * px[l] - z[3] * pz[l]) +
+                fz[l] * (z[2] + z[3] * py[l] - z[4] * px[l]);
+      }
     }
-    twist(group.host.block, twists.data());
-    for (int k = 0; k < host->num_targets; ++k) {
-      twist(plan.pairs[Index(group.pair_begin + k)].target.block, twists.data() + 6 * (k + 1));
+    for (std::size_t l = 0; l < lanes; ++l)
+      u[l] *= inverse_h_[Index(group.lane_begin) + l];
+    const auto subtract = [&](std::int32_t block, double sign, const double* sum) {
+      if (block < 0) return;
+      const double* T = projected_maps_[Index(block)].T;
+      double* out = y + structure.poses()[Index(block)].offset;
+      for (int r = 0; r < 6; ++r) {
+        for (int c = 0; c < 6; ++c)
+          out[c] -= sign * T[8 * r + c] * sum[r];
+      }
+    };
+    double at_host[6] = {};
+    for (int k = 0; k < host.num_targets; ++k) {
+      const Target& t = host.targets[k];
+      const std::size_t count = Index(t.lanes);
+      const double *fx = t.force, *fy = fx + count, *fz = fy + count;
+      double sum[6] = {};
+      for (std::size_t l = 0; l < count; ++l) {
+        const double f[3] = {u[l] * fx[l], u[l] * fy[l], u[l] * fz[l]};
+        for (int i = 0; i < 3; ++i)
+          sum[i] += f[i];
+        sum[3] += py[l] * f[2] - pz[l] * f[1];
+        sum[4] += pz[l] * f[0] - px[l] * f[2];
+        sum[5] += px[l] * f[1] - py[l] * f[0];
+      }
+      for (int i = 0; i < 6; ++i)
+        at_host[i] += sum[i];
+      subtract(plan.pairs[Index(group.pair_begin + k)].target.block, -1.0, sum);
     }
-    kernels::Kernels().reprojection_back_substitute(host, twists.data(), factor + group.lane_begin,
-                                                    out + group.lane_begin);
+    subtract(group.host.block, 1.0, at_host);
   }
 }
 
 void ReprojectionTerms::BackSubstitute(const Structure& structure, const std::vector<double>& dx,
                                        int chunk, double* step) {
-  Apply(structure, dx, chunk, inverse_h_.data(), step + structure.reprojections().first_step);
+  Apply(structure, dx.data(), chunk, inverse_h_.data(),
+        step + structure.reprojections().first_step);
 }
 
 double ReprojectionTerms::QuadraticForm(const Structure& structure, const Graph& graph,
@@ -202,7 +268,7 @@ double ReprojectionTerms::QuadraticForm(const Structure& structure, const Graph&
   ones_.assign(h_.size(), 1.0);
   product_.resize(h_.size());
   for (int c = 0; c < structure.num_chunks(); ++c) {
-    Apply(structure, d, c, ones_.data(), product_.data());
+    Apply(structure, d.data(), c, ones_.data(), product_.data());
   }
   const double* dl = d.data() + structure.num_pose_scalars() + plan.first_step;
   double sum = 0.0;

@@ -8,6 +8,7 @@
 #include "glissade/edges/reprojection.h"
 #include "glissade/linear/normal_equations.h"
 #include "kernels/kernels.h"
+#include "linear/schur_storage.h"
 
 namespace glissade {
 
@@ -39,10 +40,12 @@ class ReprojectionTerms {
   /// The chunk's part of the Schur complement, in twists. Returns the lane of a landmark that
   /// cannot be eliminated, or -1.
   int Eliminate(const Structure& structure, const DampingTerm& damping, int chunk);
-  /// Takes the sum over chunks to the tangent and adds it to S (column-major lower) and b_s. P
-  /// projects partly fixed poses.
-  void AddReduced(const Structure& structure, const Graph& graph, ThreadPool* threads, double* S,
-                  int stride, double* b_s);
+  /// Takes the sum over chunks to the tangent and adds it to S and b_s; places: of the plan's
+  /// blocks in S. P projects partly fixed poses.
+  void AddReduced(const Structure& structure, const Graph& graph, ThreadPool* threads,
+                  const std::vector<BlockPlace>& places, double* S, double* b_s);
+  /// y -= W H_ll^-1 W' x of a chunk, after AddReduced.
+  void SubtractProduct(const Structure& structure, const double* x, int chunk, double* y);
   void BackSubstitute(const Structure& structure, const std::vector<double>& dx, int chunk,
                       double* step);
   /// sum over lanes of dl (2 W'dp + h dl): the fused landmarks' part of d'H d. T P of the last
@@ -77,14 +80,15 @@ class ReprojectionTerms {
     }
   };
   struct Chunk {
-    std::vector<double> panel, reduced, blocks, twist_rhs, twists;
+    std::vector<double> panel, reduced, blocks, twist_rhs, twists, product;
     std::vector<FrameSum> frames;
   };
 
   void ProjectMaps(const Structure& structure, const Graph& graph);
   void AddRhs(const Structure& structure, std::int32_t block, double* b_s) const;
-  void Apply(const Structure& structure, const std::vector<double>& dx, int chunk,
-             const double* factor, double* out);
+  void FillTwists(const Structure& structure, const double* x, int group, int chunk);
+  void Apply(const Structure& structure, const double* dx, int chunk, const double* factor,
+             double* out);
   void ListExtrinsics(const ReprojectionPlan& plan, const EdgePool<EdgeReprojection>& pool);
   void UpdateCameras(const VertexPool<VertexPose>& poses);
   void UpdateHost(const ReprojectionPlan& plan, const ReprojectionGroup& group,

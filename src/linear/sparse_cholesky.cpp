@@ -15,7 +15,7 @@ std::size_t Index(std::int64_t i) {
 }
 }  // namespace
 
-bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supernode& node,
+bool SparseCholeskySolver::FactorFront(const SchurOperator& S, const Supernode& node,
                                        int* failed_pivot) {
   const std::int64_t stride = node.stride;
   double* const F = in_place_ ? factor_.data() + node.factor : front_.data();
@@ -24,13 +24,14 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
 
   for (std::int32_t e = node.entry_begin; e < node.entry_end; ++e) {
     const Entry& entry = entries_[Index(e)];
-    const double* from = system.S + entry.row + std::int64_t{entry.col} * system.stride;
+    const BlockView block = S.Block(Index(entry.block));
+    const double* from = block.data;
     double* to = F + entry.front_row + entry.front_col * stride;
     if (!entry.transposed) {
-      internal::CopyBlock<internal::BlockCopy::kSet>(entry.rows, entry.cols, from, system.stride,
-                                                     to, stride);
+      internal::CopyBlock<internal::BlockCopy::kSet>(entry.rows, entry.cols, from, block.stride, to,
+                                                     stride);
     } else {
-      for (int c = 0; c < entry.cols; ++c, from += system.stride, ++to) {
+      for (int c = 0; c < entry.cols; ++c, from += block.stride, ++to) {
         for (int r = 0; r < entry.rows; ++r)
           to[r * stride] = from[r];
       }
@@ -66,8 +67,8 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
     std::int32_t k = node.block_begin;
     while (k + 1 < node.block_end && block_offset_[Index(k + 1)] < info)
       ++k;
-    *failed_pivot =
-        system.offsets[Index(front_blocks_[Index(k)])] + info - 1 - block_offset_[Index(k)];
+    *failed_pivot = static_cast<int>(S.layout().offsets[Index(front_blocks_[Index(k)])]) + info -
+                    1 - block_offset_[Index(k)];
     return false;
   }
   if (in_place_) return true;
@@ -81,27 +82,35 @@ bool SparseCholeskySolver::FactorFront(const ReducedSystem& system, const Supern
   return true;
 }
 
-LinearSolverResult SparseCholeskySolver::Solve(const ReducedSystem& system, double* x) {
+LinearSolverResult SparseCholeskySolver::Prepare(const SchurOperator& S) {
   LinearSolverResult result;
-  Analyze(system);
+  Analyze(S.layout());
   for (const Supernode& node : nodes_) {
-    if (!FactorFront(system, node, &result.failed_pivot)) return result;
+    if (!FactorFront(S, node, &result.failed_pivot)) return result;
   }
+  result.ok = true;
+  return result;
+}
+
+LinearSolverResult SparseCholeskySolver::Solve(const SchurOperator& S, const double* b, double* x,
+                                               const SolveRequest&) {
+  LinearSolverResult result;
+  const SchurLayout& layout = S.layout();
   const kernels::KernelTable& kernel = kernels::Kernels();
-  std::copy_n(system.b, system.size, x);
+  std::copy_n(b, layout.size(), x);
   // Gathers the front's part of x and scatters it back; first: from this block of the front on.
   const auto gather = [&](const Supernode& node) {
     for (std::int32_t k = node.block_begin; k < node.block_end; ++k) {
       const int block = front_blocks_[Index(k)];
-      std::copy_n(x + system.offsets[Index(block)], Dim(system, block),
+      std::copy_n(x + layout.offsets[Index(block)], layout.Dim(block),
                   x_local_.data() + block_offset_[Index(k)]);
     }
   };
   const auto scatter = [&](const Supernode& node, std::int32_t count) {
     for (std::int32_t k = node.block_begin; k < node.block_begin + count; ++k) {
       const int block = front_blocks_[Index(k)];
-      std::copy_n(x_local_.data() + block_offset_[Index(k)], Dim(system, block),
-                  x + system.offsets[Index(block)]);
+      std::copy_n(x_local_.data() + block_offset_[Index(k)], layout.Dim(block),
+                  x + layout.offsets[Index(block)]);
     }
   };
   for (const Supernode& node : nodes_) {

@@ -19,33 +19,28 @@ constexpr double kMaxZeros = 0.35;  // part of a front's own columns that may be
 constexpr std::int64_t kMaxInPlace = 64 * 1024;  // doubles
 }  // namespace
 
-void SparseCholeskySolver::Analyze(const ReducedSystem& system) {
-  if (pattern_version_ == system.pattern_version && pattern_version_ != 0) return;
-  Order(system);
-  BuildSupernodes(system);
+void SparseCholeskySolver::Analyze(const SchurLayout& layout) {
+  if (version_ == layout.version) return;
+  version_ = 0;
+  Order(layout);
+  BuildSupernodes(layout);
   SortPostorder();
-  LayOut(system);
-  ListEntries(system);
-  pattern_version_ = system.pattern_version;
+  LayOut(layout);
+  ListEntries(layout);
+  version_ = layout.version;
 }
 
 // Minimum degree on the elimination graph itself, as bit rows: exact, and cheap for up to a few
 // thousand blocks. Ties go to the lower number, so the order is the same every time.
-void SparseCholeskySolver::Order(const ReducedSystem& system) {
-  const int n = static_cast<int>(system.offsets.size()) - 1;
+void SparseCholeskySolver::Order(const SchurLayout& layout) {
+  const int n = static_cast<int>(layout.num_vertices());
   const std::size_t words = Index((n + 63) / 64);
   adjacency_.assign(Index(n) * words, 0);
   const auto row_of = [&](int block) { return adjacency_.data() + Index(block) * words; };
   const auto set = [](std::uint64_t* row, int bit) {
     row[bit / 64] |= std::uint64_t{1} << (bit % 64);
   };
-  if (system.pattern.empty()) {
-    for (int i = 0; i < n; ++i) {
-      for (int j = 0; j < n; ++j)
-        set(row_of(i), j);
-    }
-  }
-  for (const BlockIndex& block : system.pattern) {
+  for (const BlockIndex& block : layout.blocks) {
     set(row_of(block.row), block.col);
     set(row_of(block.col), block.row);
   }
@@ -64,7 +59,7 @@ void SparseCholeskySolver::Order(const ReducedSystem& system) {
   position_.assign(Index(n), -1);
   local_.assign(Index(n), 0);  // degree in scalars
   for (int i = 0; i < n; ++i) {
-    for_each(row_of(i), [&](int j) { local_[Index(i)] += Dim(system, j); });
+    for_each(row_of(i), [&](int j) { local_[Index(i)] += layout.Dim(j); });
   }
   for (int step = 0; step < n; ++step) {
     int best = -1;
@@ -85,7 +80,7 @@ void SparseCholeskySolver::Order(const ReducedSystem& system) {
       row[j / 64] &= ~(std::uint64_t{1} << (j % 64));
       row[best / 64] &= ~(std::uint64_t{1} << (best % 64));
       local_[Index(j)] = 0;
-      for_each(row, [&](int k) { local_[Index(j)] += Dim(system, k); });
+      for_each(row, [&](int k) { local_[Index(j)] += layout.Dim(k); });
     }
   }
   for (int i = 0; i < n; ++i) {
@@ -95,8 +90,8 @@ void SparseCholeskySolver::Order(const ReducedSystem& system) {
 }
 
 // A block joins the supernode of its child where that brings few explicit zeros.
-void SparseCholeskySolver::BuildSupernodes(const ReducedSystem& system) {
-  const int n = static_cast<int>(system.offsets.size()) - 1;
+void SparseCholeskySolver::BuildSupernodes(const SchurLayout& layout) {
+  const int n = static_cast<int>(layout.num_vertices());
   nodes_.clear();
   front_blocks_.clear();
   node_of_block_.assign(Index(n), -1);
@@ -106,11 +101,11 @@ void SparseCholeskySolver::BuildSupernodes(const ReducedSystem& system) {
   const auto scalars = [&](std::int32_t block) {
     int sum = 0;
     for (const std::int32_t other : column_[Index(block)])
-      sum += Dim(system, other);
+      sum += layout.Dim(other);
     return sum;
   };
   for (const std::int32_t block : order_) {
-    const int dim = Dim(system, block);
+    const int dim = layout.Dim(block);
     const int size = dim + scalars(block);
     int best = -1;
     int best_zeros = 0;
@@ -203,7 +198,7 @@ void SparseCholeskySolver::SortPostorder() {
     node = head_[Index(node)];
 }
 
-void SparseCholeskySolver::LayOut(const ReducedSystem& system) {
+void SparseCholeskySolver::LayOut(const SchurLayout& layout) {
   block_offset_.resize(front_blocks_.size());
   std::int64_t factor = 0;
   std::int64_t top = 0, stack_size = 0;
@@ -214,7 +209,7 @@ void SparseCholeskySolver::LayOut(const ReducedSystem& system) {
     for (std::int32_t k = node.block_begin; k < node.block_end; ++k) {
       if (k == node.block_begin + node.num_own) node.cols = offset;
       block_offset_[Index(k)] = offset;
-      offset += Dim(system, front_blocks_[Index(k)]);
+      offset += layout.Dim(front_blocks_[Index(k)]);
     }
     if (node.block_end == node.block_begin + node.num_own) node.cols = offset;
     node.size = offset;
@@ -253,8 +248,8 @@ void SparseCholeskySolver::LayOut(const ReducedSystem& system) {
   const std::int64_t stride = (largest + 7) / 8 * 8;
   front_.resize(Index(stride * largest));
   x_local_.resize(Index(stride));
-  const double n = system.size;
-  flop_ratio_ = system.size > 0 ? flops / (n * n * n / 3.0) : 1.0;
+  const auto n = static_cast<double>(layout.size());
+  flop_ratio_ = n > 0.0 ? flops / (n * n * n / 3.0) : 1.0;
 
   // Where the row blocks of each node lie in its parent's front.
   parent_offset_.clear();
@@ -268,43 +263,30 @@ void SparseCholeskySolver::LayOut(const ReducedSystem& system) {
   }
 }
 
-void SparseCholeskySolver::ListEntries(const ReducedSystem& system) {
-  const int n = static_cast<int>(system.offsets.size()) - 1;
-  full_pattern_.clear();
-  std::span<const BlockIndex> pattern = system.pattern;
-  if (pattern.empty()) {
-    for (std::int32_t i = 0; i < n; ++i) {
-      for (std::int32_t j = 0; j <= i; ++j)
-        full_pattern_.push_back({i, j});
-    }
-    pattern = full_pattern_;
-  }
+void SparseCholeskySolver::ListEntries(const SchurLayout& layout) {
   // Each block of S goes to the node of its earlier block: a counting sort.
   const auto node_of = [&](const BlockIndex& block) {
     const bool row_first = position_[Index(block.row)] < position_[Index(block.col)];
     return Index(node_of_block_[Index(row_first ? block.row : block.col)]);
   };
   begin_.assign(nodes_.size() + 1, 0);
-  for (const BlockIndex& block : pattern)
+  for (const BlockIndex& block : layout.blocks)
     ++begin_[node_of(block) + 1];
   for (std::size_t s = 0; s < nodes_.size(); ++s) {
     begin_[s + 1] += begin_[s];
     nodes_[s].entry_begin = begin_[s];
     nodes_[s].entry_end = begin_[s + 1];
   }
-  entries_.resize(pattern.size());
-  for (const BlockIndex& block : pattern) {
+  entries_.resize(layout.blocks.size());
+  for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
+    const BlockIndex block = layout.blocks[k];
     const bool transposed = position_[Index(block.row)] < position_[Index(block.col)];
     const std::size_t s = node_of(block);
     const std::int32_t row = OffsetInFront(nodes_[s], block.row);
     const std::int32_t col = OffsetInFront(nodes_[s], block.col);
-    entries_[Index(begin_[s]++)] = {system.offsets[Index(block.row)],
-                                    system.offsets[Index(block.col)],
-                                    Dim(system, block.row),
-                                    Dim(system, block.col),
-                                    transposed ? col : row,
-                                    transposed ? row : col,
-                                    transposed};
+    entries_[Index(begin_[s]++)] = {static_cast<std::int32_t>(k), layout.Dim(block.row),
+                                    layout.Dim(block.col),        transposed ? col : row,
+                                    transposed ? row : col,       transposed};
   }
 }
 

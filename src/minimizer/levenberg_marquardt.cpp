@@ -9,15 +9,25 @@ namespace glissade {
 
 StepStrategy::Outcome StepStrategy::SolveDamped(const DampingTerm& damping,
                                                 LinearSolverResult* result) {
+  LinearSolver* solver = nullptr;
+  SchurForm form{};
+  {
+    const Timed timed(&w_.summary.time.solve_s);
+    solver = w_.Solver(options_);
+    form = solver->Form(w_.equations.ReducedLayout(w_.structure));
+  }
   {
     const Timed timed(&w_.summary.time.eliminate_s);
-    failure_ = w_.equations.Eliminate(w_.structure, *graph_, damping, &w_.threads);
+    failure_ = w_.equations.Eliminate(w_.structure, *graph_, damping, form, &w_.threads);
   }
   if (OutOfTime()) return Outcome::kOutOfTime;
   const bool eliminated = failure_.ok();
   if (eliminated) {
     const Timed timed(&w_.summary.time.solve_s);
-    failure_ = w_.equations.Solve(w_.structure, *graph_, w_.Solver(options_), &w_.threads, result);
+    SolveRequest request = MakeRequest(options_);
+    request.stop = [](void* self) { return static_cast<const StepStrategy*>(self)->OutOfTime(); };
+    request.stop_data = this;
+    failure_ = w_.equations.Solve(w_.structure, *graph_, solver, request, &w_.threads, result);
     linear_iterations_ = result->iterations;
   }
   if (OutOfTime()) return Outcome::kOutOfTime;

@@ -31,7 +31,8 @@ Status SolveOptions::Validate() const {
     return refuse("damping is no Damping");
   }
   if (!IsOneOf(linear_solver_type, {LinearSolverType::kAuto, LinearSolverType::kDenseCholesky,
-                                    LinearSolverType::kSparseCholesky, LinearSolverType::kPcg})) {
+                                    LinearSolverType::kSparseCholesky, LinearSolverType::kPcg,
+                                    LinearSolverType::kImplicitPcg})) {
     return refuse("linear_solver_type is no LinearSolverType");
   }
   if (!IsOneOf(pcg.preconditioner, {Preconditioner::kJacobi, Preconditioner::kBlockJacobi})) {

@@ -14,16 +14,24 @@ LinearSolver* SolverWorkspace::Solver(const SolveOptions& options) {
     case LinearSolverType::kSparseCholesky:
       return &sparse_cholesky;
     case LinearSolverType::kPcg:
-      pcg.set_options(options.pcg);
+      pcg.set_preconditioner(options.pcg.preconditioner);
       return &pcg;
+    case LinearSolverType::kImplicitPcg:
+      implicit_pcg.set_preconditioner(options.pcg.preconditioner);
+      return &implicit_pcg;
     case LinearSolverType::kAuto:
       break;
   }
+  // With more of the blocks than this there is nothing to gain from leaving some out.
+  constexpr double kDenseFraction = 0.8;
   // Small fronts run at about a third of the speed of one dense factorization.
   constexpr double kWorthwhile = 0.3;
-  const ReducedSystem system = equations.reduced();
-  if (system.pattern.empty()) return &dense_cholesky;
-  sparse_cholesky.Analyze(system);
+  const SchurLayout& layout = equations.ReducedLayout(structure);
+  const auto n = static_cast<double>(layout.num_vertices());
+  if (static_cast<double>(layout.blocks.size()) > kDenseFraction * 0.5 * n * (n + 1.0)) {
+    return &dense_cholesky;
+  }
+  sparse_cholesky.Analyze(layout);
   if (sparse_cholesky.FlopRatio() < kWorthwhile) return &sparse_cholesky;
   return &dense_cholesky;
 }
@@ -44,6 +52,7 @@ void SolverWorkspace::Restore() {
   dense_cholesky = DenseCholeskySolver();
   sparse_cholesky = SparseCholeskySolver();
   pcg = PcgSolver();
+  implicit_pcg = PcgSolver(SchurForm::kDiagonalBlocks);
   for (auto* v : {&dogleg_scale, &dogleg_gradient, &dogleg_step, &watched_states})
     *v = {};
   discarded = false;
@@ -69,6 +78,13 @@ DampingTerm MakeDamping(const SolveOptions& options, double lambda) {
   damping.min_diagonal = options.min_diagonal;
   damping.max_diagonal = options.max_diagonal;
   return damping;
+}
+
+SolveRequest MakeRequest(const SolveOptions& options) {
+  SolveRequest request;
+  request.tolerance = options.pcg.tolerance;
+  request.max_iterations = options.pcg.max_iterations;
+  return request;
 }
 
 }  // namespace glissade

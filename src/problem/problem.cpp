@@ -131,10 +131,14 @@ Status Problem::SolveLinearSystem(double lambda, const SolveOptions& options) {
   workspace_->solved = false;
   const DampingTerm damping = MakeDamping(options, lambda);
   return Guarded(&w, [&]() -> Status {
-    StepFailure failure = w.equations.Eliminate(w.structure, *this, damping, &w.threads);
+    LinearSolver* const solver = w.Solver(options);
+    StepFailure failure =
+        w.equations.Eliminate(w.structure, *this, damping,
+                              solver->Form(w.equations.ReducedLayout(w.structure)), &w.threads);
     if (!failure.ok()) return failure;
     LinearSolverResult result;
-    failure = w.equations.Solve(w.structure, *this, w.Solver(options), &w.threads, &result);
+    failure =
+        w.equations.Solve(w.structure, *this, solver, MakeRequest(options), &w.threads, &result);
     workspace_->solved = failure.ok();
     return failure;
   });
@@ -196,44 +200,29 @@ int Problem::DenseSize() const {
 
 void Problem::FillHessian(double* H) const {
   const Structure& structure = workspace_->solver.structure;
-  const NormalEquations& equations = workspace_->solver.equations;
+  const glissade::Hessian hessian = workspace_->solver.equations.GetHessian(structure);
   const std::vector<int> offsets = FreeOffsets();
   const std::size_t n = Index(offsets.back());
   std::fill_n(H, n * n, 0.0);
-  const auto set = [&](int row, int col, double value) {
-    H[Index(row) * n + Index(col)] = H[Index(col) * n + Index(row)] = value;
-  };
-  const auto free_dim = [&](std::int32_t block) {
-    return offsets[Index(block + 1)] - offsets[Index(block)];
-  };
-  for (const PoseBlockPair& pair : structure.h_blocks()) {
-    const int cols = structure.poses()[Index(pair.col)].dim;
-    for (int r = 0; r < free_dim(pair.row); ++r) {
-      for (int c = 0; c < free_dim(pair.col); ++c) {
-        set(offsets[Index(pair.row)] + r, offsets[Index(pair.col)] + c,
-            equations.h_pp()[Index(pair.offset + r * cols + c)]);
+  // The first rows and cols of a block: free coordinates are its first.
+  const auto set = [&](std::int32_t row, std::int32_t col, const DenseBlock& block) {
+    for (int r = 0; r < offsets[Index(row + 1)] - offsets[Index(row)]; ++r) {
+      for (int c = 0; c < offsets[Index(col + 1)] - offsets[Index(col)]; ++c) {
+        const std::size_t i = Index(offsets[Index(row)] + r), j = Index(offsets[Index(col)] + c);
+        H[i * n + j] = H[j * n + i] = block(r, c);
       }
     }
+  };
+  for (std::size_t k = 0; k < hessian.num_pairs(); ++k) {
+    const glissade::Hessian::PosePair pair = hessian.Pair(k);
+    set(pair.row, pair.col, pair.H);
   }
-  const std::size_t num_poses = structure.poses().size();
-  for (std::size_t l = 0; l < structure.landmarks().size(); ++l) {
-    const LandmarkBlock& landmark = structure.landmarks()[l];
-    const double* record = equations.landmark_buffer().data() + landmark.record;
-    const int begin = offsets[num_poses + l];
-    for (int r = 0; r < landmark.dim; ++r) {
-      for (int c = 0; c < landmark.dim; ++c)
-        set(begin + r, begin + c, record[r * landmark.dim + c]);
-    }
-    const double* W = record + landmark.dim * landmark.dim + landmark.dim;
-    for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
-      const std::int32_t block = structure.slot_block()[Index(s)];
-      for (int r = 0; r < free_dim(block); ++r) {
-        for (int c = 0; c < landmark.dim; ++c) {
-          set(offsets[Index(block)] + r, begin + c, W[r * landmark.dim + c]);
-        }
-      }
-      W += structure.slot_dim()[Index(s)] * landmark.dim;
-    }
+  for (std::size_t l = 0; l < hessian.num_landmarks(); ++l) {
+    const glissade::Hessian::LandmarkPart landmark = hessian.Landmark(l);
+    const auto index = static_cast<std::int32_t>(structure.poses().size() + l);
+    set(index, index, landmark.H());
+    for (int s = 0; s < landmark.num_slots(); ++s)
+      set(landmark.pose(s), index, landmark.W(s));
   }
 }
 

@@ -51,23 +51,12 @@ void Structure::LayOutLandmark(int landmark) {
 void Structure::WriteEdge(const EdgeRef& ref, int landmark) {
   const FlatEdges& edges = flat_[Index(ref.pool)];
   const int arity = edges.Arity(ref.edge);
-  const std::int32_t* index = edges.index.data() + edges.Begin(ref.edge);
   const std::int32_t* variable = edges.variable.data() + edges.Begin(ref.edge);
-  std::vector<std::int32_t>& words = words_[Index(ref.pool)];
-  const std::size_t base = words.size();
-  words.resize(base + Index(plan::NumWords(arity)), plan::kNone);
-  std::int32_t* w = words.data() + base;
-  w[plan::kEdge] = ref.edge;
+  std::int32_t* w = WriteWords(ref);
   if (landmark >= 0) w[plan::kLandmarkRecord] = landmarks_[Index(landmark)].record;
   for (int i = 0; i < arity; ++i) {
     const std::int32_t v = variable[i];
-    w[plan::State(i)] = index[i];
-    if (v == kInactive) continue;
-    if (v < 0) {
-      w[plan::Target(arity, i)] = plan::kLandmark;
-      continue;
-    }
-    w[plan::Target(arity, i)] = poses_[Index(v)].offset;
+    if (v < 0) continue;
     if (landmark >= 0) w[plan::WBlock(arity, i)] = slot_of_block_[Index(v)];
     for (int j = 0; j <= i; ++j) {
       const std::int32_t u = variable[j];
@@ -78,7 +67,54 @@ void Structure::WriteEdge(const EdgeRef& ref, int landmark) {
   }
 }
 
-std::int32_t Structure::PairOffset(std::int32_t row, std::int32_t col) {
+// Appends the record of an edge: where its vertices are and where b goes.
+std::int32_t* Structure::WriteWords(const EdgeRef& ref) {
+  const FlatEdges& edges = flat_[Index(ref.pool)];
+  const int arity = edges.Arity(ref.edge);
+  const std::int32_t* index = edges.index.data() + edges.Begin(ref.edge);
+  const std::int32_t* variable = edges.variable.data() + edges.Begin(ref.edge);
+  std::vector<std::int32_t>& words = words_[Index(ref.pool)];
+  const std::size_t base = words.size();
+  words.resize(base + Index(plan::NumWords(arity)), plan::kNone);
+  std::int32_t* w = words.data() + base;
+  w[plan::kEdge] = ref.edge;
+  for (int i = 0; i < arity; ++i) {
+    const std::int32_t v = variable[i];
+    w[plan::State(i)] = index[i];
+    if (v == kInactive) continue;
+    w[plan::Target(arity, i)] = v < 0 ? plan::kLandmark : poses_[Index(v)].offset;
+  }
+  return w;
+}
+
+// At the end of the last chunk: their records have no blocks of H.
+void Structure::WriteConstantEdges(std::int32_t pool_id, const DynamicEdgePool& pool) {
+  EdgeRun& run = runs_[Index(num_chunks_ - 1) * num_pools_ + Index(pool_id)];
+  const FlatEdges& edges = flat_[Index(pool_id)];
+  for (std::size_t k = 0; k < constant_edges_.size(); ++k) {
+    const std::int32_t edge = constant_edges_[k];
+    WriteWords({pool_id, edge});
+    ++run.count;
+    const std::int32_t* variable = edges.variable.data() + edges.Begin(edge);
+    int row = 0;
+    for (int i = 0; i < edges.Arity(edge); ++i) {
+      int col = 0;
+      for (int j = 0; j <= i; ++j) {
+        const std::int32_t v = variable[i], u = variable[j];
+        if (v >= 0 && u >= 0) {
+          const bool swapped = v < u;
+          constant_blocks_.push_back({static_cast<std::int32_t>(k),
+                                      swapped ? PairIndex(u, v) : PairIndex(v, u),
+                                      swapped ? col : row, swapped ? row : col});
+        }
+        col += pool.vertex_pool(edge, j)->ops().tangent_dim;
+      }
+      row += pool.vertex_pool(edge, i)->ops().tangent_dim;
+    }
+  }
+}
+
+std::int32_t Structure::PairIndex(std::int32_t row, std::int32_t col) {
   if (2 * (h_blocks_.size() + 1) > pair_table_.size()) GrowPairTable();
   const std::size_t mask = pair_table_.size() - 1;
   const std::uint64_t key =
@@ -88,12 +124,12 @@ std::int32_t Structure::PairOffset(std::int32_t row, std::int32_t col) {
     const std::int32_t found = pair_table_[slot];
     if (found < 0) break;
     const PoseBlockPair& pair = h_blocks_[Index(found)];
-    if (pair.row == row && pair.col == col) return pair.offset;
+    if (pair.row == row && pair.col == col) return found;
   }
   pair_table_[slot] = static_cast<std::int32_t>(h_blocks_.size());
   h_blocks_.push_back({row, col, static_cast<std::int32_t>(h_size_)});
   h_size_ += std::int64_t{poses_[Index(row)].dim} * poses_[Index(col)].dim;
-  return h_blocks_.back().offset;
+  return static_cast<std::int32_t>(h_blocks_.size()) - 1;
 }
 
 void Structure::GrowPairTable() {

@@ -78,6 +78,20 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   const int num_landmarks = static_cast<int>(landmarks_.size());
   const auto free_begin = landmark_edges_begin_[Index(num_landmarks)];
   const auto num_without = static_cast<std::int32_t>(landmark_edges_.size()) - free_begin;
+  // Without first estimates even a linear edge has a Jacobian that varies with its boxminus.
+  constant_edges_.clear();
+  constant_blocks_.clear();
+  std::int32_t linear_id = -1;
+  for (std::size_t p = 0; p < num_pools_; ++p) {
+    if (graph->edge_pools()[p]->type() == &kTypeInfo<DynamicEdge> &&
+        graph->first_estimates() != FirstEstimates::kOff) {
+      linear_id = static_cast<std::int32_t>(p);
+    }
+  }
+  const auto* linear =
+      linear_id < 0
+          ? nullptr
+          : static_cast<const DynamicEdgePool*>(graph->edge_pools()[Index(linear_id)].get());
   for (int chunk = 0; chunk < num_chunks_; ++chunk) {
     EdgeRun* runs = runs_.data() + Index(chunk) * num_pools_;
     for (std::size_t p = 0; p < num_pools_; ++p) {
@@ -96,11 +110,18 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
     };
     for (int k = part(chunk); k < part(chunk + 1); ++k) {
       const EdgeRef& ref = landmark_edges_[Index(k)];
+      if (ref.pool == linear_id && linear->At(ref.edge).ConstantHessian() != nullptr) {
+        constant_edges_.push_back(ref.edge);
+        continue;
+      }
       WriteEdge(ref, -1);
       ++runs[ref.pool].count;
     }
   }
   FinishReprojectionPlan();
+  num_varying_ = h_blocks_.size();
+  varying_size_ = h_size_;
+  if (linear != nullptr) WriteConstantEdges(linear_id, *linear);
   if (Status status = CheckSize(); !status.ok()) return status;
   BuildReducedPattern();
   analysis_ = NewAnalysis();

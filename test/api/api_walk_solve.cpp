@@ -44,8 +44,8 @@ void ApiWalk::Solve() {
   if (random_.Chance(0.05)) options.num_threads = 2;
   constexpr LinearSolverType kSolvers[] = {
       LinearSolverType::kAuto, LinearSolverType::kDenseCholesky, LinearSolverType::kSparseCholesky,
-      LinearSolverType::kPcg};
-  options.linear_solver_type = kSolvers[random_.Int(4)];
+      LinearSolverType::kPcg, LinearSolverType::kImplicitPcg};
+  options.linear_solver_type = kSolvers[random_.Int(5)];
   options.gauge = PickGauge();
   const SolveSummary& summary = problem.Solve(options);
   log_.back() += ": " + summary.BriefReport();

@@ -171,7 +171,7 @@ class AppTest(unittest.TestCase):
     def check_linear_solvers(self, *args, cost):
         """All lead to the same; the default is the library's own choice."""
         results = {which: self.run_json(*args, "--linear-solver", which)
-                   for which in ("auto", "dense", "sparse", "pcg")}
+                   for which in ("auto", "dense", "sparse", "pcg", "implicit-pcg")}
         for which, result in results.items():
             self.assertEqual(result["linear_solver"], which)
             self.assertAlmostEqual(cost(result) / cost(results["auto"]), 1, delta=1e-6, msg=which)

@@ -63,6 +63,29 @@ TEST_P(ProductTest, SymmetricMatrixVector) {
   }
 }
 
+TEST_P(ProductTest, SymmetricVectorByColumns) {
+  Random random(29);
+  for (const int n : {1, 2, 5, 9, 16, 33, 60}) {
+    GuardedMatrix a(n, n, n + 3);
+    a.FillRandom(random);
+    Guarded x(static_cast<size_t>(n)), whole(static_cast<size_t>(n));
+    x.FillRandom(random);
+    k().symv_lower(n, a.data(), n + 3, x.data(), whole.data());
+    // Any cut: the columns up to it, then the matrix behind it.
+    for (int cut = 0; cut <= n; ++cut) {
+      Guarded y(static_cast<size_t>(n));
+      for (size_t i = 0; i < y.size(); ++i)
+        y[i] = 0.0;
+      k().symv_lower_columns(n, cut, a.data(), n + 3, x.data(), y.data());
+      k().symv_lower_columns(n - cut, n - cut, a.data() + cut * (n + 4), n + 3, x.data() + cut,
+                             y.data() + cut);
+      for (size_t i = 0; i < y.size(); ++i)
+        ASSERT_NEAR(y[i], whole[i], 1e-15 * (n + 1)) << n << " cut at " << cut;
+      EXPECT_TRUE(y.GuardsIntact());
+    }
+  }
+}
+
 TEST_P(ProductTest, SymmetricRankK) {
   Random random(23);
   for (const int n : {1,  2,  3,  4,  5,  6,  7,  8,  9,  12, 15, 16,  17, 23,

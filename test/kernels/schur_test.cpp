@@ -8,63 +8,159 @@
 namespace glissade::kernels {
 namespace {
 
+/// How S is stored.
+enum class Storage { kSquare, kColumns, kDiagonal };
+
 class SchurTest : public KernelTest {
  protected:
-  /// One landmark of tangent dl on blocks of these dimensions; `gap[a]` rows are left free before
-  /// block a.
+  /// One landmark of tangent dl on vertices of these dimensions, numbered 0, 2, 4, ...; `gap[a]`
+  /// rows are left free before vertex a.
   void Check(const std::vector<int>& dims, const std::vector<int>& gaps, int dl, Random& random) {
+    for (const Storage storage : {Storage::kSquare, Storage::kColumns, Storage::kDiagonal})
+      Check(storage, dims, gaps, dl, random);
+  }
+
+  void Check(Storage storage, const std::vector<int>& dims, const std::vector<int>& gaps, int dl,
+             Random& random) {
     const int m = static_cast<int>(dims.size());
-    std::vector<int32_t> row(dims.size());
-    std::vector<int32_t> dim(dims.size());
-    int rows = 0;
-    int scalars = 0;
+    std::vector<int32_t> vertex, row, dim(dims.begin(), dims.end());
+    int rows = 0, touched = 0;
     for (size_t a = 0; a < dims.size(); ++a) {
       rows += gaps[a];
-      row[a] = rows;
-      dim[a] = dims[a];
+      vertex.push_back(static_cast<int32_t>(2 * a));
+      row.push_back(rows);
       rows += dims[a];
-      scalars += dims[a] * dl;
+      touched += dims[a];
     }
-    Guarded y(static_cast<size_t>(scalars));
-    Guarded w(static_cast<size_t>(scalars));
-    y.FillRandom(random);
-    w.FillRandom(random);
-    GuardedMatrix s(rows, rows, rows + 1);
-    s.FillRandom(random);
-    GuardedMatrix expected = s;
-    size_t ya = 0;
-    for (size_t a = 0; a < dims.size(); ++a) {
-      size_t wb = 0;
-      for (size_t b = 0; b <= a; ++b) {
-        for (int r = 0; r < dims[a]; ++r) {
-          for (int c = 0; c < dims[b]; ++c) {
-            long double p = 0.0;
-            for (int i = 0; i < dl; ++i) {
-              p += Wide{y[ya + static_cast<size_t>(r * dl + i)]} *
-                   w[wb + static_cast<size_t>(c * dl + i)];
-            }
-            double& x = expected(row[a] + r, row[b] + c);
-            x = static_cast<double>(x - p);
+    // Block columns, and where the blocks of the landmark are in them.
+    std::vector<int64_t> column(2 * dims.size(), -1);
+    std::vector<int32_t> stride(2 * dims.size(), -1), place;
+    int64_t size = 0;
+    for (size_t c = 0; c < dims.size(); ++c) {
+      if (storage == Storage::kSquare) {
+        column[2 * c] = int64_t{row[c]} * (rows + 1);
+        stride[2 * c] = rows + 1;
+        place.push_back(row[c]);
+        size = int64_t{rows} * (rows + 1);
+        continue;
+      }
+      column[2 * c] = size;
+      int32_t height = 0;
+      for (size_t a = c; a < dims.size(); ++a) {
+        if (storage == Storage::kDiagonal && a > c) break;
+        height += gaps[a] > 0 ? gaps[a] : 0;
+        place.push_back(storage == Storage::kDiagonal ? 0 : height);
+        height += dims[a];
+      }
+      stride[2 * c] = height + 3;
+      size += int64_t{stride[2 * c]} * dims[c];
+    }
+    const SchurRows at{storage == Storage::kDiagonal ? nullptr : place.data(),
+                       storage == Storage::kColumns};
+
+    Guarded w(static_cast<size_t>(touched * dl)), inverse(static_cast<size_t>(dl * dl)),
+        b_l(static_cast<size_t>(dl)), x(static_cast<size_t>(rows)), b(static_cast<size_t>(rows)),
+        s(static_cast<size_t>(size));
+    for (Guarded* g : {&w, &inverse, &b_l, &x, &b, &s})
+      g->FillRandom(random);
+    for (int i = 0; i < dl; ++i) {
+      for (int k = 0; k < i; ++k)
+        inverse[static_cast<size_t>(i * dl + k)] = inverse[static_cast<size_t>(k * dl + i)];
+    }
+    const SchurLandmark landmark{m,          dl,       vertex.data(),  row.data(),
+                                 dim.data(), w.data(), inverse.data(), b_l.data()};
+
+    // Y = W H^-1, then every block.
+    std::vector<Wide> y(w.size());
+    for (int r = 0; r < touched; ++r) {
+      for (int k = 0; k < dl; ++k) {
+        for (int i = 0; i < dl; ++i) {
+          y[static_cast<size_t>(r * dl + k)] +=
+              Wide{w[static_cast<size_t>(r * dl + i)]} * inverse[static_cast<size_t>(i * dl + k)];
+        }
+      }
+    }
+    Guarded s_expected = s, b_expected = b, product = x, product_expected = x;
+    std::vector<Wide> Wx(static_cast<size_t>(dl));
+    size_t packed = 0, yc = 0;
+    for (size_t c = 0; c < dims.size(); ++c) {
+      size_t wa = yc;
+      for (size_t a = c; a < dims.size(); ++a, ++packed) {
+        const int32_t first = storage == Storage::kSquare    ? row[a]
+                              : storage == Storage::kColumns ? place[packed]
+                                                             : 0;
+        for (int r = 0; r < dims[a] && (storage != Storage::kDiagonal || a == c); ++r) {
+          for (int i = 0; i < dims[c]; ++i) {
+            Wide p = 0.0;
+            for (int k = 0; k < dl; ++k)
+              p += Wide{w[wa + static_cast<size_t>(r * dl + k)]} *
+                   y[yc + static_cast<size_t>(i * dl + k)];
+            double& to = s_expected[static_cast<size_t>(column[2 * c] + first + r +
+                                                        int64_t{i} * stride[2 * c])];
+            to = static_cast<double>(to - p);
           }
         }
-        wb += static_cast<size_t>(dims[b] * dl);
+        wa += static_cast<size_t>(dims[a] * dl);
       }
-      ya += static_cast<size_t>(dims[a] * dl);
-    }
-    GuardedMatrix result = s;
-    k().schur_update(m, row.data(), dim.data(), dl, y.data(), w.data(), result.data(), s.ld());
-    for (int c = 0; c < rows; ++c) {
-      for (int r = 0; r < rows; ++r) {
-        if (expected(r, c) == s(r, c)) {
-          ASSERT_EQ(result(r, c), s(r, c)) << "written at " << r << "," << c << " dl " << dl;
+      for (int i = 0; i < dims[c]; ++i) {
+        Wide p = 0.0;
+        for (int k = 0; k < dl; ++k) {
+          p += y[yc + static_cast<size_t>(i * dl + k)] * b_l[static_cast<size_t>(k)];
+          Wx[static_cast<size_t>(k)] +=
+              Wide{w[yc + static_cast<size_t>(i * dl + k)]} * x[static_cast<size_t>(row[c] + i)];
         }
-        ASSERT_NEAR(result(r, c), expected(r, c), 4e-15) << r << "," << c << " dl " << dl;
+        double& to = b_expected[static_cast<size_t>(row[c] + i)];
+        to = static_cast<double>(to - p);
+      }
+      yc += static_cast<size_t>(dims[c] * dl);
+    }
+
+    // In one go, and block columns range by range, in any order.
+    Guarded scratch(static_cast<size_t>(SchurScratch(touched)));
+    Guarded s_whole = s, b_whole = b;
+    SchurTarget target{s_whole.data(), b_whole.data(), column.data(), stride.data()};
+    k().schur_update(&landmark, at, 0, m, &target, scratch.data());
+    for (size_t i = 0; i < s.size(); ++i) {
+      if (s_expected[i] == s[i]) {
+        ASSERT_EQ(s_whole[i], s[i]) << "written at " << i << " dl " << dl;
+      }
+      ASSERT_NEAR(s_whole[i], s_expected[i], 2e-14) << i << " dl " << dl;
+    }
+    for (size_t i = 0; i < b.size(); ++i)
+      ASSERT_NEAR(b_whole[i], b_expected[i], 2e-14);
+    Guarded s_parts = s, b_parts = b;
+    target = {s_parts.data(), b_parts.data(), column.data(), stride.data()};
+    const int cut = random.Below(m + 1);
+    k().schur_update(&landmark, at, cut, m, &target, scratch.data());
+    k().schur_update(&landmark, at, 0, cut, &target, scratch.data());
+    EXPECT_TRUE(s_parts.SameBits(s_whole) && b_parts.SameBits(b_whole));
+    EXPECT_TRUE(scratch.GuardsIntact() && w.GuardsIntact());
+
+    // The same without S: products, and the landmark's own step.
+    Guarded step(static_cast<size_t>(dl));
+    k().landmark_step(&landmark, x.data(), step.data());
+    for (int i = 0; i < dl; ++i) {
+      Wide expected = 0.0;
+      for (int k2 = 0; k2 < dl; ++k2) {
+        expected += Wide{inverse[static_cast<size_t>(i * dl + k2)]} *
+                    (b_l[static_cast<size_t>(k2)] - Wx[static_cast<size_t>(k2)]);
+      }
+      ASSERT_NEAR(step[static_cast<size_t>(i)], static_cast<double>(expected), 2e-13);
+    }
+    k().schur_multiply(&landmark, x.data(), product.data());
+    size_t at_y = 0;
+    for (size_t c = 0; c < dims.size(); ++c) {
+      for (int i = 0; i < dims[c]; ++i) {
+        Wide p = 0.0;
+        for (int k2 = 0; k2 < dl; ++k2)
+          p += y[at_y++] * Wx[static_cast<size_t>(k2)];
+        double& to = product_expected[static_cast<size_t>(row[c] + i)];
+        to = static_cast<double>(to - p);
       }
     }
-    EXPECT_TRUE(result.GuardsIntact() && y.GuardsIntact() && w.GuardsIntact());
-    GuardedMatrix again = s;
-    k().schur_update(m, row.data(), dim.data(), dl, y.data(), w.data(), again.data(), s.ld());
-    EXPECT_TRUE(again.SameBits(result));
+    for (size_t i = 0; i < product.size(); ++i)
+      ASSERT_NEAR(product[i], product_expected[i], 2e-13) << i << " dl " << dl;
+    EXPECT_TRUE(step.GuardsIntact() && product.GuardsIntact());
   }
 };
 GLISSADE_INSTANTIATE_KERNEL_TEST(SchurTest);
@@ -104,7 +200,7 @@ TEST_P(SchurTest, MixedBlocks) {
   }
 }
 
-TEST_P(SchurTest, RunsLongerThanTheTransposeBuffer) {
+TEST_P(SchurTest, LongRuns) {
   Random random(33);
   for (int dl = 1; dl <= 4; ++dl) {
     Check(std::vector<int>(40, 6), std::vector<int>(40, 0), dl, random);
@@ -113,7 +209,9 @@ TEST_P(SchurTest, RunsLongerThanTheTransposeBuffer) {
 }
 
 TEST_P(SchurTest, NoBlocks) {
-  k().schur_update(0, nullptr, nullptr, 1, nullptr, nullptr, nullptr, 0);
+  const SchurLandmark landmark{};
+  const SchurTarget target{};
+  k().schur_update(&landmark, {}, 0, 0, &target, nullptr);
 }
 
 TEST_P(SchurTest, SmallInverse) {

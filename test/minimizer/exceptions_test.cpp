@@ -47,9 +47,14 @@ struct ThrowingLoss {
 
 class ThrowingSolver final : public LinearSolver {
  public:
-  LinearSolverResult Solve(const ReducedSystem& system, double* x) override {
+  [[nodiscard]] SchurForm Form(const SchurLayout& all_blocks) override {
+    return inner_.Form(all_blocks);
+  }
+  LinearSolverResult Prepare(const SchurOperator& S) override { return inner_.Prepare(S); }
+  LinearSolverResult Solve(const SchurOperator& S, const double* b, double* x,
+                           const SolveRequest& request) override {
     if (++solves == 3) throw std::runtime_error("solver");
-    return inner_.Solve(system, x);
+    return inner_.Solve(S, b, x, request);
   }
   int solves = 0;
 

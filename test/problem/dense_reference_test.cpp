@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <tuple>
 
 #include "common/sanitized.h"
+#include "glissade/linear/linear_solver.h"
 #include "glissade/problem/problem.h"
 #include "support/random_graph.h"
 
@@ -21,6 +23,52 @@ namespace {
 struct Size {
   int num_poses;
   int num_landmarks;
+};
+
+/// A solver of a user's own: takes blocks, and factors by other means than the library's.
+class OwnSolver final : public LinearSolver {
+ public:
+  explicit OwnSolver(SchurForm form) : form_(form) {}
+  [[nodiscard]] SchurForm Form(const SchurLayout& all_blocks) override {
+    num_vertices = all_blocks.num_vertices();
+    return form_;
+  }
+  LinearSolverResult Prepare(const SchurOperator& S) override {
+    ++prepared;
+    const SchurLayout& layout = S.layout();
+    const auto n = static_cast<Eigen::Index>(layout.size());
+    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(n, n);
+    for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
+      const auto row = static_cast<std::size_t>(layout.blocks[k].row);
+      const auto col = static_cast<std::size_t>(layout.blocks[k].col);
+      const bool whole = form_ == SchurForm::kDense;
+      const Eigen::Index rows = whole ? n : layout.offsets[row + 1] - layout.offsets[row];
+      const Eigen::Index cols = whole ? n : layout.offsets[col + 1] - layout.offsets[col];
+      const BlockView view = S.Block(k);
+      dense.block(layout.offsets[row], layout.offsets[col], rows, cols) =
+          Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(
+              view.data, rows, cols, Eigen::OuterStride<>(view.stride));
+    }
+    factor_.compute(dense);  // reads the lower triangle
+    LinearSolverResult result;
+    result.ok = factor_.info() == Eigen::Success && factor_.isPositive();
+    return result;
+  }
+  LinearSolverResult Solve(const SchurOperator& S, const double* b, double* x,
+                           const SolveRequest&) override {
+    const auto n = static_cast<Eigen::Index>(S.layout().size());
+    Eigen::Map<Eigen::VectorXd>(x, n) = factor_.solve(Eigen::Map<const Eigen::VectorXd>(b, n));
+    LinearSolverResult result;
+    result.ok = true;
+    return result;
+  }
+
+  int prepared = 0;
+  std::size_t num_vertices = 0;
+
+ private:
+  SchurForm form_;
+  Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
 class DenseReferenceTest : public testing::TestWithParam<std::tuple<GraphKind, Size>> {
@@ -86,16 +134,34 @@ TEST_P(DenseReferenceTest, DampedStep) {
       ASSERT_TRUE(status.ok()) << status.message();
       expect_step(1e-9);
 
-      for (const Preconditioner preconditioner :
-           {Preconditioner::kBlockJacobi, Preconditioner::kJacobi}) {
-        SolveOptions options;
-        options.linear_solver_type = LinearSolverType::kPcg;
-        options.pcg.preconditioner = preconditioner;
-        options.pcg.tolerance = 1e-14;
-        options.pcg.max_iterations = 20000;
+      const auto solve = [&](const SolveOptions& options) {
         status = problem.SolveLinearSystem(lambda, options);
         ASSERT_TRUE(status.ok()) << status.message();
         expect_step(1e-9);
+      };
+      for (const LinearSolverType type :
+           {LinearSolverType::kDenseCholesky, LinearSolverType::kSparseCholesky}) {
+        SolveOptions options;
+        options.linear_solver_type = type;
+        solve(options);
+      }
+      for (const LinearSolverType type : {LinearSolverType::kPcg, LinearSolverType::kImplicitPcg}) {
+        for (const Preconditioner preconditioner :
+             {Preconditioner::kBlockJacobi, Preconditioner::kJacobi}) {
+          SolveOptions options;
+          options.linear_solver_type = type;
+          options.pcg.preconditioner = preconditioner;
+          options.pcg.tolerance = 1e-14;
+          options.pcg.max_iterations = 20000;
+          solve(options);
+        }
+      }
+      for (const SchurForm form : {SchurForm::kDense, SchurForm::kBlocks}) {
+        OwnSolver own(form);
+        SolveOptions options;
+        options.linear_solver = &own;
+        solve(options);
+        EXPECT_EQ(own.prepared, own.num_vertices > 0 ? 1 : 0);
       }
     }
   }

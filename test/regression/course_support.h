@@ -90,24 +90,33 @@ class TextbookPcg final : public LinearSolver {
  public:
   explicit TextbookPcg(bool drop_first_step) : drop_first_step_(drop_first_step) {}
 
-  LinearSolverResult Solve(const ReducedSystem& system, double* solution) override {
-    const int n = system.size;
+  [[nodiscard]] SchurForm Form(const SchurLayout&) override { return SchurForm::kDense; }
+
+  LinearSolverResult Prepare(const SchurOperator& S) override {
+    diagonal_.resize(S.layout().size());
+    const BlockView block = S.Block(0);
+    for (Eigen::Index i = 0; i < diagonal_.size(); ++i)
+      diagonal_[i] = block.data[i * (block.stride + 1)];
+    return {.ok = true};
+  }
+
+  LinearSolverResult Solve(const SchurOperator& S, const double* b, double* solution,
+                           const SolveRequest&) override {
+    const int n = static_cast<int>(S.layout().size());
     Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-    Eigen::VectorXd r = Eigen::Map<const Eigen::VectorXd>(system.b, n);
-    Eigen::VectorXd diagonal(n), Sp(n);
-    for (int i = 0; i < n; ++i)
-      diagonal[i] = system(i, i);
-    Eigen::VectorXd z = r.cwiseQuotient(diagonal);
+    Eigen::VectorXd r = Eigen::Map<const Eigen::VectorXd>(b, n);
+    Eigen::VectorXd Sp(n);
+    Eigen::VectorXd z = r.cwiseQuotient(diagonal_);
     Eigen::VectorXd p = z;
     const double threshold = 1e-6 * r.norm();
     double rz = r.dot(z);
     LinearSolverResult result{.ok = true, .iterations = 0, .exact = false};
     while (r.norm() > threshold && result.iterations < 2 * n) {
-      system.Multiply(p.data(), Sp.data());
+      S.Multiply(p.data(), Sp.data());
       const double alpha = rz / p.dot(Sp);
       if (result.iterations > 0 || !drop_first_step_) x += alpha * p;
       r -= alpha * Sp;
-      z = r.cwiseQuotient(diagonal);
+      z = r.cwiseQuotient(diagonal_);
       const double next = r.dot(z);
       p = z + next / rz * p;
       rz = next;
@@ -120,6 +129,7 @@ class TextbookPcg final : public LinearSolver {
 
  private:
   bool drop_first_step_;
+  Eigen::VectorXd diagonal_;
 };
 
 }  // namespace glissade::test

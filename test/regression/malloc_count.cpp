@@ -9,6 +9,8 @@
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
+#include <malloc.h>
+
 namespace {
 
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
@@ -20,6 +22,18 @@ bool Allow() {
   const std::int64_t number = count++;
   return number < fail_from.load(std::memory_order_relaxed) ||
          number >= fail_to.load(std::memory_order_relaxed);
+}
+
+std::atomic<std::int64_t> bytes{0}, peak{0};
+
+/// Counts the bytes of a block.
+void* Counted(void* block) {
+  const auto size = static_cast<std::int64_t>(malloc_usable_size(block));
+  const std::int64_t now = bytes += size;
+  std::int64_t highest = peak.load();
+  while (now > highest && !peak.compare_exchange_weak(highest, now)) {
+  }
+  return block;
 }
 
 }  // namespace
@@ -41,35 +55,52 @@ bool FailingMalloc::failed() const {
   return count.load() > number_;
 }
 
+std::int64_t HeapBytes() {
+  return bytes.load();
+}
+std::int64_t PeakHeapBytes() {
+  return peak.load();
+}
+void ResetPeakHeap() {
+  peak = bytes.load();
+}
 }  // namespace glissade::test
 
-// glibc's own functions under their second names. free() and malloc_usable_size() need no
-// replacement: the blocks are glibc's.
+// glibc's own functions under their second names: the blocks are glibc's.
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t n, std::size_t size);
 void* __libc_realloc(void* block, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
+void __libc_free(void* block);
 
 void* malloc(std::size_t size) noexcept {
   if (!Allow()) return nullptr;
-  return __libc_malloc(size);
+  return Counted(__libc_malloc(size));
 }
 void* calloc(std::size_t n, std::size_t size) noexcept {
   if (!Allow()) return nullptr;
-  return __libc_calloc(n, size);
+  return Counted(__libc_calloc(n, size));
 }
 void* realloc(void* block, std::size_t size) noexcept {
   if (!Allow()) return nullptr;
-  return __libc_realloc(block, size);
+  const auto before = static_cast<std::int64_t>(malloc_usable_size(block));
+  void* const moved = __libc_realloc(block, size);
+  if (moved == nullptr && size > 0) return nullptr;  // the block stays
+  bytes -= before;
+  return Counted(moved);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
   if (!Allow()) return nullptr;
-  return __libc_memalign(alignment, size);
+  return Counted(__libc_memalign(alignment, size));
 }
 int posix_memalign(void** block, std::size_t alignment, std::size_t size) noexcept {
-  *block = Allow() ? __libc_memalign(alignment, size) : nullptr;
+  *block = Allow() ? Counted(__libc_memalign(alignment, size)) : nullptr;
   return *block != nullptr ? 0 : ENOMEM;
+}
+void free(void* block) noexcept {
+  bytes -= static_cast<std::int64_t>(malloc_usable_size(block));
+  __libc_free(block);
 }
 }
 
@@ -84,6 +115,13 @@ FailingMalloc::~FailingMalloc() = default;
 bool FailingMalloc::failed() const {
   return number_ < 0;
 }
+std::int64_t HeapBytes() {
+  return -1;
+}
+std::int64_t PeakHeapBytes() {
+  return -1;
+}
+void ResetPeakHeap() {}
 }  // namespace glissade::test
 
 #endif

@@ -25,4 +25,10 @@ class FailingMalloc {
   std::int64_t number_;  // in all of the program's allocations
 };
 
+/// Bytes on the heap now, and the most there have been since ResetPeakHeap(); -1 where they cannot
+/// be counted.
+std::int64_t HeapBytes();
+std::int64_t PeakHeapBytes();
+void ResetPeakHeap();
+
 }  // namespace glissade::test

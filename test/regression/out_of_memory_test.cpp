@@ -105,7 +105,7 @@ TEST_F(OutOfMemory, OfASolveIsAStatusAndTheNextSolveWorks) {
   const Problem original = MakeProblem();
   const AnyVertex anchor = original.Vertices()[2];
   const VertexHandle<VertexPose> pose = *anchor.As<VertexPose>();
-  std::vector<SolveOptions> all(6);
+  std::vector<SolveOptions> all(7);
   all[1].num_threads = 2;
   all[2].method = Method::kDogleg;
   all[3].linear_solver_type = LinearSolverType::kSparseCholesky;
@@ -113,6 +113,7 @@ TEST_F(OutOfMemory, OfASolveIsAStatusAndTheNextSolveWorks) {
   all[4].gauge = Gauge::Prior{pose};
   all[4].linear_solver_type = LinearSolverType::kPcg;
   all[5].fuse_reprojections = false;
+  all[6].linear_solver_type = LinearSolverType::kImplicitPcg;
   all[5].callback = [](const IterationSummary&) { return CallbackAction::kContinue; };
   for (const SolveOptions& options : all) {
     Problem reference = original.Clone();

@@ -6,31 +6,27 @@
 #include <gtest/gtest.h>
 
 #include "regression/course_support.h"
+#include "support/matrix_operator.h"
 
 namespace glissade {
 namespace {
 
-/// A system of one block with the given matrix.
+using test::MatrixOperator;
+using test::SolveWith;
+
 struct System {
   Eigen::MatrixXd S;
   Eigen::VectorXd b;
-  std::vector<std::int32_t> offsets{0, static_cast<std::int32_t>(b.size())};
 
-  [[nodiscard]] ReducedSystem View() const {
-    ReducedSystem view;
-    view.size = static_cast<int>(b.size());
-    view.offsets = offsets;
-    view.S = S.data();
-    view.stride = static_cast<int>(S.rows());
-    view.b = b.data();
-    return view;
-  }
+  /// Of one block.
+  [[nodiscard]] MatrixOperator Operator() const { return {S, {static_cast<int>(b.size())}}; }
 };
 
 /// The check: |S x - b| <= 1e-6 |b|.
 bool Solves(LinearSolver& solver, const System& system) {
   Eigen::VectorXd x = Eigen::VectorXd::Constant(system.b.size(), 7.0);
-  if (!solver.Solve(system.View(), x.data()).ok) return false;
+  MatrixOperator S = system.Operator();
+  if (!SolveWith(solver, S, system.b.data(), x.data()).ok) return false;
   return (system.S * x - system.b).norm() <= 1.001e-6 * system.b.norm();
 }
 
@@ -52,7 +48,7 @@ System Dense() {
 TEST(PcgFirstStep, IsApplied) {
   for (const System& system : {Diagonal(), Dense()}) {
     for (auto preconditioner : {Preconditioner::kJacobi, Preconditioner::kBlockJacobi}) {
-      PcgSolver ours({.preconditioner = preconditioner});
+      PcgSolver ours(SchurForm::kBlocks, preconditioner);
       EXPECT_TRUE(Solves(ours, system));
     }
     DenseCholeskySolver direct;
@@ -68,7 +64,8 @@ TEST(PcgFirstStep, DefectReturnsZeroOnADiagonal) {
   const System system = Diagonal();
   Eigen::Vector3d x(7, 7, 7);
   test::TextbookPcg defective(true);
-  defective.Solve(system.View(), x.data());
+  MatrixOperator S = system.Operator();
+  SolveWith(defective, S, system.b.data(), x.data());
   EXPECT_EQ(x, Eigen::Vector3d::Zero());
 }
 

@@ -8,10 +8,11 @@
 
 #include "glissade/base/status.h"
 #include "glissade/gauge/orbit.h"
-#include "glissade/linear/normal_equations.h"
-#include "glissade/structure/structure.h"
 
 namespace glissade {
+
+class NormalEquations;
+class Structure;
 
 struct NullspaceOptions {
   GaugeGroup group = GaugeGroup::kAuto;

@@ -3,35 +3,23 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "glissade/structure/block_index.h"
+#include "glissade/linear/preconditioner.h"
+#include "glissade/linear/schur_operator.h"
 
 namespace glissade {
 
-/// The reduced system S x = b over the vertices that are not eliminated: symmetric, one block row
-/// per free vertex, damping already in S. A view: valid during LinearSolver::Solve only.
-///
-/// Coordinates of partly fixed vertices that are not free are present as unit rows (S_kk = 1,
-/// b_k = 0), so that a block always has its vertex's full tangent dimension.
-struct ReducedSystem {
-  int size = 0;                           ///< number of scalar unknowns n
-  std::span<const std::int32_t> offsets;  ///< first scalar of each block; offsets.back() == n
-  const double* S = nullptr;              ///< lower triangle, column-major
-  int stride = 0;                         ///< S(i, j) = S[i + j * stride], i >= j
-  const double* b = nullptr;              ///< n numbers
-  /// Blocks of the lower triangle that can be non-zero, row >= col; all others are zero. Empty: all
-  /// can be.
-  std::span<const BlockIndex> pattern;
-  std::uint64_t pattern_version = 0;  ///< a new number where sizes or pattern are new
+/// How well one right-hand side is to be solved for. Exact solvers need none of it.
+struct SolveRequest {
+  double tolerance = 1e-10;       ///< of an iterative solver: stop at |b - S x| <= tolerance |b|
+  int max_iterations = 0;         ///< of an iterative solver; 0: it decides
+  const double* guess = nullptr;  ///< n numbers to start from; null: zero. Must not be x.
+  /// Asked now and then by solvers that take long; true: give up and return what there is.
+  bool (*stop)(void*) = nullptr;
+  void* stop_data = nullptr;
 
-  [[nodiscard]] double operator()(int i, int j) const {
-    return i >= j ? S[i + static_cast<std::ptrdiff_t>(j) * stride]
-                  : S[j + static_cast<std::ptrdiff_t>(i) * stride];
-  }
-  /// y = S x.
-  void Multiply(const double* x, double* y) const;
+  [[nodiscard]] bool Stop() const { return stop != nullptr && stop(stop_data); }
 };
 
 struct LinearSolverResult {
@@ -45,48 +33,57 @@ struct LinearSolverResult {
 };
 
 /// Solves the reduced system. Implement it to bring your own solver: SolveOptions::linear_solver.
+/// The calls come in this order: Form(), Prepare(), Solve() for each right-hand side. May keep
+/// workspaces between calls; the layout rarely changes.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
-  /// Writes x (size numbers). May keep workspaces between calls; the structure rarely changes.
-  virtual LinearSolverResult Solve(const ReducedSystem& system, double* x) = 0;
+  /// What Prepare() and Solve() need to find stored, given all blocks that can be non-zero. Asked
+  /// before every elimination: what takes time should be kept by all_blocks.version.
+  [[nodiscard]] virtual SchurForm Form(const SchurLayout& all_blocks) = 0;
+  /// Factors S or makes a preconditioner of it.
+  virtual LinearSolverResult Prepare(const SchurOperator& S) = 0;
+  /// S x = b, after Prepare() with the same S. Writes x; b and x must not overlap.
+  virtual LinearSolverResult Solve(const SchurOperator& S, const double* b, double* x,
+                                   const SolveRequest& request) = 0;
 };
 
 /// Dense Cholesky S = L L'.
 class DenseCholeskySolver final : public LinearSolver {
  public:
-  LinearSolverResult Solve(const ReducedSystem& system, double* x) override;
+  [[nodiscard]] SchurForm Form(const SchurLayout&) override { return SchurForm::kDense; }
+  LinearSolverResult Prepare(const SchurOperator& S) override;
+  LinearSolverResult Solve(const SchurOperator& S, const double* b, double* x,
+                           const SolveRequest& request) override;
 
  private:
   std::vector<double> factor_;
+  int stride_ = 0;
 };
 
-enum class Preconditioner {
-  kJacobi,       ///< scalar diagonal
-  kBlockJacobi,  ///< inverse diagonal blocks, one per vertex
-};
-
-struct PcgOptions {
-  Preconditioner preconditioner = Preconditioner::kBlockJacobi;
-  double tolerance = 1e-10;  ///< stop at |r| <= tolerance |b|
-  int max_iterations = 0;    ///< 0: 2 n
-};
-
-/// Preconditioned conjugate gradients on the explicit S.
+/// Preconditioned conjugate gradients: on the stored blocks of S, or (kDiagonalBlocks) without any
+/// but those of the preconditioner, S being applied through H_pp, W and H_ll^-1.
 class PcgSolver final : public LinearSolver {
  public:
-  explicit PcgSolver(PcgOptions options = {}) : options_(options) {}
-  void set_options(const PcgOptions& options) { options_ = options; }
-  LinearSolverResult Solve(const ReducedSystem& system, double* x) override;
+  explicit PcgSolver(SchurForm form = SchurForm::kBlocks,
+                     Preconditioner preconditioner = Preconditioner::kBlockJacobi)
+      : form_(form), preconditioner_(preconditioner) {}
+  void set_preconditioner(Preconditioner preconditioner) { preconditioner_ = preconditioner; }
+
+  [[nodiscard]] SchurForm Form(const SchurLayout&) override { return form_; }
+  LinearSolverResult Prepare(const SchurOperator& S) override;
+  LinearSolverResult Solve(const SchurOperator& S, const double* b, double* x,
+                           const SolveRequest& request) override;
 
  private:
   /// The pivot that is not positive, or -1.
-  int FactorPreconditioner(const ReducedSystem& system);
-  void Precondition(const ReducedSystem& system, const double* r, double* z) const;
+  int FactorDiagonalBlock(std::int64_t offset, int dim, BlockView block);
+  void Precondition(const SchurLayout& layout, const double* r, double* z) const;
 
-  PcgOptions options_;
+  SchurForm form_;
+  Preconditioner preconditioner_;
   std::vector<double> inverse_;  // diagonal, or Cholesky factors of the diagonal blocks
-  std::vector<std::int64_t> block_begin_;
+  std::vector<std::int64_t> factor_begin_;
   std::vector<double> r_, z_, p_, q_;
 };
 

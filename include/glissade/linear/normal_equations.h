@@ -9,6 +9,7 @@
 
 #include "glissade/base/status.h"
 #include "glissade/base/thread_pool.h"
+#include "glissade/linear/hessian.h"
 #include "glissade/linear/linear_solver.h"
 #include "glissade/linear/linearized_states.h"
 #include "glissade/structure/structure.h"
@@ -25,6 +26,7 @@ struct DampingTerm {
 };
 
 class ReprojectionTerms;
+class SchurStorage;
 
 /// Why a step or a trial cost does not exist: a Status without its message, because a step that is
 /// rejected must not allocate. Converts to the Status when somebody is to be told.
@@ -60,14 +62,20 @@ class NormalEquations {
   StepFailure Cost(const Structure& structure, const Graph& graph, ThreadPool* threads,
                    double* cost);
 
-  /// Eliminates the landmarks: the reduced system S dx_p = b_s with the damping in it. Fails on a
-  /// landmark block that is not positive definite, and names it.
+  /// All blocks of the reduced system that can be non-zero: what LinearSolver::Form() is asked
+  /// with.
+  [[nodiscard]] const SchurLayout& ReducedLayout(const Structure& structure);
+  /// Eliminates the landmarks: the reduced system S dx_p = b_s with the damping in it, in the form
+  /// that its solver asks for. Fails on a landmark block that is not positive definite, and names
+  /// it. structure and threads must stay until the last product with S.
   StepFailure Eliminate(const Structure& structure, const Graph& graph, const DampingTerm& damping,
-                        ThreadPool* threads);
-  [[nodiscard]] ReducedSystem reduced() const;
+                        SchurForm form, ThreadPool* threads);
+  /// S, after Eliminate().
+  [[nodiscard]] const SchurOperator& reduced();
+  [[nodiscard]] const std::vector<double>& reduced_rhs() const;
   /// Solves the reduced system and substitutes back; Step() then holds dx.
   StepFailure Solve(const Structure& structure, const Graph& graph, LinearSolver* solver,
-                    ThreadPool* threads, LinearSolverResult* result);
+                    const SolveRequest& request, ThreadPool* threads, LinearSolverResult* result);
 
   /// dx of all free variables: pose blocks, then landmarks.
   [[nodiscard]] const std::vector<double>& step() const { return step_; }
@@ -99,10 +107,11 @@ class NormalEquations {
   }
   /// Where the last Linearize() was.
   [[nodiscard]] const LinearizedStates& point() const { return point_; }
-  [[nodiscard]] const std::vector<double>& h_pp() const { return h_pp_[0]; }
+  /// H by its parts, for who wants to look at it: puts together what the solvers take piece by
+  /// piece. Fused landmarks are not among them.
+  [[nodiscard]] Hessian GetHessian(const Structure& structure);
   /// b = -gradient of all free variables, in the order of step().
   [[nodiscard]] const std::vector<double>& b() const { return b_; }
-  [[nodiscard]] const std::vector<double>& landmark_buffer() const { return landmarks_; }
   /// 1 for pose scalars that partial fixing holds (unit rows in H_pp).
   [[nodiscard]] const std::vector<std::uint8_t>& held() const { return held_; }
 
@@ -111,11 +120,16 @@ class NormalEquations {
   void LinearizeChunk(const Structure& structure, const Graph& graph, int chunk);
   void SumChunks(int num_chunks, ThreadPool* threads);
   void ProjectFreeTangents(const Structure& structure, Graph* graph);
-  bool EliminateChunk(const Structure& structure, const DampingTerm& damping, int chunk);
-  void ListBlocksOnlyInReduced(const Structure& structure);
-  void ClearBlocks(std::span<const BlockIndex> blocks, double* S) const;
-  void ScatterPoseBlocks(const Structure& structure, const DampingTerm& damping);
-  void ReduceChunks(int num_chunks, ThreadPool* threads);
+  void FindConstants(const Structure& structure, const Graph& graph);
+  void FillDiagonal(const Structure& structure);
+  void InvertLandmarks(const Structure& structure, const DampingTerm& damping, int chunk);
+  StepFailure CheckLandmarks(const Structure& structure, const Graph& graph) const;
+  void StartColumns(const Structure& structure, const DampingTerm& damping, std::int32_t begin,
+                    std::int32_t end);
+  void ReduceColumns(const Structure& structure, std::int32_t begin, std::int32_t end,
+                     double* scratch);
+  void MultiplyReduced(const double* x, double* y);
+  void MultiplyPoses(const Hessian& H, int chunk, int num_chunks, const double* x, double* y) const;
 
   StepFailure CheckCosts(const Structure& structure, const Graph& graph, double* cost) const;
 
@@ -125,30 +139,33 @@ class NormalEquations {
     int failed_edge = -1;
     int failed_landmark = -1;
     int failed_lane = -1;
-    std::vector<double> y;  // W H_ll^-1 of one landmark
+    std::vector<double> product;  // part of S x
   };
 
   int num_poses_scalars_ = 0;
-  int stride_ = 0;
   std::vector<Chunk> chunks_;
-  std::vector<std::vector<double>> h_pp_;  // per chunk; [0] holds the sum
+  std::vector<std::vector<double>> h_pp_;  // varying blocks per chunk; [0] holds the sum
+  std::vector<double> h_whole_;            // with the constant blocks
+  bool is_whole_ = false;
+  std::vector<BlockView> constants_;  // by Structure::constant_blocks(), projected
+  std::vector<double> projected_;
   std::vector<std::vector<double>> b_p_;
   std::vector<double> landmarks_;     // records, see edge_plan.h
   std::vector<double> h_ll_inverse_;  // damped, dim x dim per landmark
-  std::vector<std::int32_t> inverse_begin_;
-  std::vector<std::vector<double>> S_;  // per chunk, column-major lower; [0] holds the sum
-  std::vector<std::vector<double>> b_s_;
-  std::vector<double> diagonal_;  // diag(H), pose scalars then landmark scalars
-  std::vector<double> b_;         // the same order
+  std::vector<std::int64_t> inverse_begin_;
+  std::vector<std::vector<double>> scratch_;  // per task of the elimination
+  std::vector<double> diagonal_;              // diag(H), pose scalars then landmark scalars
+  std::vector<double> b_;                     // the same order
   std::vector<double> step_;
   std::vector<double> residual_;
   std::vector<std::uint8_t> held_;
   LinearizedStates point_;
-  std::vector<std::int32_t> pose_offsets_;
-  std::vector<BlockIndex> reduced_pattern_, only_in_reduced_;
-  std::vector<std::uint8_t> in_h_;
   std::unique_ptr<ReprojectionTerms> reprojections_;
-  std::uint64_t pattern_version_ = 0;
+  std::unique_ptr<SchurStorage> schur_;
+  // What products with an S that is not stored need.
+  const Structure* eliminated_ = nullptr;
+  ThreadPool* threads_ = nullptr;
+  DampingTerm damping_;
   std::uint64_t linearized_ = 0;  // the analysis that H and b belong to
 };
 

@@ -19,10 +19,13 @@ namespace glissade {
 /// FlopRatio() tells.
 class SparseCholeskySolver final : public LinearSolver {
  public:
-  LinearSolverResult Solve(const ReducedSystem& system, double* x) override;
+  [[nodiscard]] SchurForm Form(const SchurLayout&) override { return SchurForm::kBlocks; }
+  LinearSolverResult Prepare(const SchurOperator& S) override;
+  LinearSolverResult Solve(const SchurOperator& S, const double* b, double* x,
+                           const SolveRequest& request) override;
 
-  /// Analyzes the pattern if it has changed since the last call.
-  void Analyze(const ReducedSystem& system);
+  /// Analyzes the layout (all blocks) if it has changed since the last call.
+  void Analyze(const SchurLayout& layout);
   /// Operations of this factorization relative to a dense one, after Analyze.
   [[nodiscard]] double FlopRatio() const { return flop_ratio_; }
 
@@ -42,27 +45,23 @@ class SparseCholeskySolver final : public LinearSolver {
     std::int32_t parent = -1;
     std::int32_t map_begin = 0;  // parent_offset_: one per row block
   };
-  /// A block of S: where it lies there and in the front.
+  /// A block of S: which it is, and where it goes in the front.
   struct Entry {
-    std::int32_t row, col;  // scalar, in S (row >= col)
+    std::int32_t block;  // in SchurLayout::blocks
     std::int32_t rows, cols;
     std::int32_t front_row, front_col;  // scalar, in the front
     bool transposed;                    // stored in S the other way round
   };
 
-  void Order(const ReducedSystem& system);
-  void BuildSupernodes(const ReducedSystem& system);
+  void Order(const SchurLayout& layout);
+  void BuildSupernodes(const SchurLayout& layout);
   void SortPostorder();
-  void LayOut(const ReducedSystem& system);
-  void ListEntries(const ReducedSystem& system);
-  bool FactorFront(const ReducedSystem& system, const Supernode& node, int* failed_pivot);
+  void LayOut(const SchurLayout& layout);
+  void ListEntries(const SchurLayout& layout);
+  bool FactorFront(const SchurOperator& S, const Supernode& node, int* failed_pivot);
   [[nodiscard]] std::int32_t OffsetInFront(const Supernode& node, std::int32_t block) const;
-  [[nodiscard]] int Dim(const ReducedSystem& system, int block) const {
-    return system.offsets[static_cast<std::size_t>(block) + 1] -
-           system.offsets[static_cast<std::size_t>(block)];
-  }
 
-  std::uint64_t pattern_version_ = 0;
+  std::uint64_t version_ = 0;  // of the layout that was analyzed
   double flop_ratio_ = 1.0;
   bool in_place_ = false;                   // fronts stay where they are factored
   std::vector<Supernode> nodes_;            // children before parents
@@ -79,7 +78,6 @@ class SparseCholeskySolver final : public LinearSolver {
   std::vector<std::int32_t> next_own_, head_, top_, begin_;
   std::vector<std::vector<std::int32_t>> column_;
   std::vector<Supernode> sorted_nodes_;
-  std::vector<BlockIndex> full_pattern_;
 };
 
 }  // namespace glissade

@@ -21,12 +21,13 @@ struct SolverWorkspace {
   DenseCholeskySolver dense_cholesky;
   SparseCholeskySolver sparse_cholesky;
   PcgSolver pcg;
+  PcgSolver implicit_pcg{SchurForm::kDiagonalBlocks};
   SolveSummary summary;
   std::vector<double> dogleg_scale, dogleg_gradient, dogleg_step;
   std::vector<double> watched_states;  ///< while a callback runs
   bool discarded = false;
 
-  /// The solver of the reduced system that the options ask for (after Eliminate).
+  /// The solver of the reduced system that the options ask for (after the structure's analysis).
   LinearSolver* Solver(const SolveOptions& options);
   /// After an exception: gives back all memory but the summary's, so that nothing half done is
   /// used again. Restore(), which may throw std::bad_alloc, comes before the next use.
@@ -45,5 +46,7 @@ void ApplyStep(const Structure& structure, const std::vector<double>& step, Grap
 
 /// The damping term that the options and lambda mean.
 DampingTerm MakeDamping(const SolveOptions& options, double lambda);
+/// How well the options want the reduced system to be solved.
+SolveRequest MakeRequest(const SolveOptions& options);
 
 }  // namespace glissade

@@ -7,10 +7,12 @@
 
 #include "glissade/base/status.h"
 #include "glissade/gauge/gauge.h"
-#include "glissade/linear/linear_solver.h"
+#include "glissade/linear/preconditioner.h"
 #include "glissade/minimizer/summary.h"
 
 namespace glissade {
+
+class LinearSolver;
 
 /// How a step is found.
 enum class Method {
@@ -31,7 +33,16 @@ enum class LinearSolverType {
   kAuto,  ///< dense or sparse Cholesky, whichever has less to do
   kDenseCholesky,
   kSparseCholesky,
-  kPcg,
+  kPcg,          ///< conjugate gradients on the blocks of the reduced system
+  kImplicitPcg,  ///< conjugate gradients without forming it: memory goes with the observations
+};
+
+/// Of kPcg and kImplicitPcg. tolerance and max_iterations are also what a solver of your own is
+/// asked for (SolveRequest).
+struct PcgOptions {
+  Preconditioner preconditioner = Preconditioner::kBlockJacobi;
+  double tolerance = 1e-10;  ///< stop at |r| <= tolerance |b|
+  int max_iterations = 0;    ///< 0: 2 n
 };
 
 /// Returned by an iteration callback.
@@ -76,8 +87,8 @@ struct SolveOptions {
   // --- Linear algebra -------------------------------------------------------------------------
   LinearSolverType linear_solver_type = LinearSolverType::kAuto;
   PcgOptions pcg = {};
-  /// Your own solver of the reduced system, used instead of linear_solver_type where not null. Not
-  /// owned; must outlive the solve.
+  /// Your own solver of the reduced system (linear/linear_solver.h), used instead of
+  /// linear_solver_type where not null. Not owned; must outlive the solve.
   LinearSolver* linear_solver = nullptr;
   /// Send inverse-depth landmarks that only EdgeReprojection touches through the fused kernels.
   bool fuse_reprojections = true;

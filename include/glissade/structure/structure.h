@@ -41,6 +41,14 @@ struct PoseBlockPair {
   std::int32_t offset = 0;
 };
 
+/// A block of the constant H of a linear edge (a marginal prior).
+struct ConstantBlock {
+  std::int32_t edge = 0;  ///< index in Structure::constant_edges()
+  std::int32_t pair = 0;  ///< index in Structure::h_blocks()
+  std::int32_t row = 0;   ///< first row and column in the edge's H
+  std::int32_t col = 0;
+};
+
 /// Part of a pool's edges: a run of plan records.
 struct EdgeRun {
   std::int32_t pool = 0;
@@ -83,8 +91,20 @@ class Structure {
 
   [[nodiscard]] const std::vector<PoseBlockPair>& h_blocks() const { return h_blocks_; }
   [[nodiscard]] std::int64_t h_size() const { return h_size_; }
-  /// Blocks of the reduced system S that can be non-zero, fill by landmarks included; empty where
-  /// most of them are (S is then treated as dense).
+  /// The part of h_blocks() that is filled anew by each linearization comes first; the other pairs
+  /// are known to linear edges alone, whose H does not change.
+  [[nodiscard]] std::span<const PoseBlockPair> varying_blocks() const {
+    return std::span(h_blocks_).first(num_varying_);
+  }
+  [[nodiscard]] std::int64_t varying_size() const { return varying_size_; }
+  /// Dynamic edges with a constant Hessian, and its blocks of free vertices. Their b and cost are
+  /// linearized with all others; this part of H is not added by the linearization.
+  [[nodiscard]] const std::vector<std::int32_t>& constant_edges() const { return constant_edges_; }
+  [[nodiscard]] const std::vector<ConstantBlock>& constant_blocks() const {
+    return constant_blocks_;
+  }
+  /// Blocks of the lower triangle of the reduced system S that can be non-zero, fill by landmarks
+  /// included: by column, rows ascending within one.
   [[nodiscard]] const std::vector<BlockIndex>& reduced_pattern() const { return reduced_pattern_; }
   /// A new number with every analysis that was not skipped, by any Structure; never 0.
   [[nodiscard]] std::uint64_t analysis() const { return analysis_; }
@@ -128,7 +148,12 @@ class Structure {
   void CutIntoChunks();
   void LayOutLandmark(int landmark);
   void WriteEdge(const EdgeRef& ref, int landmark);
-  std::int32_t PairOffset(std::int32_t row, std::int32_t col);
+  std::int32_t* WriteWords(const EdgeRef& ref);
+  void WriteConstantEdges(std::int32_t pool_id, const DynamicEdgePool& pool);
+  std::int32_t PairIndex(std::int32_t row, std::int32_t col);
+  std::int32_t PairOffset(std::int32_t row, std::int32_t col) {
+    return h_blocks_[static_cast<std::size_t>(PairIndex(row, col))].offset;
+  }
   void GrowPairTable();
   void FindFusedLandmarks(const Graph& graph);
   void ChooseCenter(const Graph& graph);
@@ -160,6 +185,10 @@ class Structure {
   std::size_t num_pools_ = 0;
   std::vector<PoseBlockPair> h_blocks_;
   std::int64_t h_size_ = 0;
+  std::size_t num_varying_ = 0;
+  std::int64_t varying_size_ = 0;
+  std::vector<std::int32_t> constant_edges_;
+  std::vector<ConstantBlock> constant_blocks_;
   std::vector<BlockIndex> reduced_pattern_;
   ReprojectionPlan plan_;
   bool fuses_ = true;
@@ -201,7 +230,8 @@ class Structure {
   std::vector<std::int32_t> slot_of_block_, stamp_of_block_;
   std::vector<std::int32_t> pair_table_;  // open addressing: index in h_blocks_, or -1
   std::vector<EdgeRef> duplicate_table_;
-  std::vector<std::uint64_t> adjacency_, slot_mask_;  // bit rows
+  std::vector<std::int32_t> column_begin_, column_rows_;   // of the reduced pattern, unsorted
+  std::vector<std::int32_t> seen_begin_, seen_landmarks_;  // of each pose block
   struct FusedLandmark {
     std::int32_t group, length, landmark;
   };

@@ -1,205 +1,315 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// S -= Y W' for one landmark: the hot loop of the generic Schur complement.
+// One landmark of the generic Schur complement: S -= W H_ll^-1 W' and what belongs to it.
 //
-// S is column-major, so lanes run along rows. Blocks that are neighbours in S (a landmark is mostly
-// seen by consecutive cameras) form a run whose rows are contiguous in S and in Y alike; the update
-// works on whole runs, and only the tail of a run is a partial vector.
+// S is column-major, so lanes run along rows. Blocks that are neighbours in a block column (a
+// landmark is mostly seen by consecutive cameras) form a run whose rows are contiguous in S and in
+// the transposed W alike; the update works on whole runs, and only the tail of a run is a partial
+// vector.
 
 #ifndef GLISSADE_KERNELS_IMPL_SCHUR_H_
 #define GLISSADE_KERNELS_IMPL_SCHUR_H_
 
 #include "kernels/impl/simd.h"
+#include "kernels/schur.h"
 
 namespace glissade::kernels {
 namespace {
 
-// Rows of Y transposed at a time where dl > 1; longer runs are cut.
-constexpr int kRunRows = 128;
-
-/// One vector of rows of all columns: s(0:kW, c) -= sum_k y(:, k) w(c, k), the first `last` lanes.
+/// One vector of rows of one column: s(0:kW) -= sum_k w(:, k) y(k), the first `last` lanes.
 template <int kDl, bool kPartial>
-GLISSADE_INLINE void LaneUpdate(const vd (&y)[kDl], const double* w, double* p, int last) {
-  vd x = kPartial ? LoadPartial(p, last) : Load(p);
+GLISSADE_INLINE void LaneUpdate(const vd (&w)[kDl], const double* y, Index ld, double* s,
+                                int last) {
+  vd x = kPartial ? LoadPartial(s, last) : Load(s);
 #pragma GCC unroll 4
   for (int k = 0; k < kDl; ++k)
-    x -= y[k] * Splat(w[k]);
+    x -= w[k] * Splat(y[k * ld]);
   if (kPartial) {
-    StorePartial(p, x, last);
+    StorePartial(s, x, last);
   } else {
-    Store(p, x);
+    Store(s, x);
   }
 }
 
 template <int kColumns, int kDl, bool kPartial>
-GLISSADE_INLINE void RowsUpdate(int columns, const double* y, Index ldy, const double* w, double* s,
+GLISSADE_INLINE void RowsUpdate(int columns, const double* w, const double* y, Index ld, double* s,
                                 Index lds, int last) {
-  vd yi[kDl];
+  vd wi[kDl];
 #pragma GCC unroll 4
-  for (int k = 0; k < kDl; ++k) {
-    yi[k] = kPartial ? LoadPartial(y + k * ldy, last) : Load(y + k * ldy);
-  }
+  for (int k = 0; k < kDl; ++k)
+    wi[k] = Load(w + k * ld);
   if (kColumns > 0) {
 #pragma GCC unroll 16
-    for (int c = 0; c < kColumns; ++c) {
-      LaneUpdate<kDl, kPartial>(yi, w + c * kDl, s + c * lds, last);
-    }
+    for (int c = 0; c < kColumns; ++c)
+      LaneUpdate<kDl, kPartial>(wi, y + c, ld, s + c * lds, last);
   } else {
 #pragma GCC unroll 1
-    for (int c = 0; c < columns; ++c) {
-      LaneUpdate<kDl, kPartial>(yi, w + c * kDl, s + c * lds, last);
-    }
+    for (int c = 0; c < columns; ++c)
+      LaneUpdate<kDl, kPartial>(wi, y + c, ld, s + c * lds, last);
   }
 }
 
-/// s(0:rows, 0:columns) -= y w'; y is column-major rows x dl, w row-major columns x dl.
-/// kColumns 0: the count is the argument.
+/// s(0:rows, 0:columns) -= w y', both with dl columns, ld apart. kColumns 0: the count is the
+/// argument.
 template <int kColumns, int kDl>
-__attribute__((noinline)) void RunUpdate(int rows, int columns, const double* y, Index ldy,
-                                         const double* w, double* s, Index lds) {
+__attribute__((noinline)) void RunUpdate(int rows, int columns, const double* w, const double* y,
+                                         Index ld, double* s, Index lds) {
   int i = 0;
 #pragma GCC unroll 1
-  for (; i + kW <= rows; i += kW) {
-    RowsUpdate<kColumns, kDl, false>(columns, y + i, ldy, w, s + i, lds, kW);
-  }
-  if (i < rows) RowsUpdate<kColumns, kDl, true>(columns, y + i, ldy, w, s + i, lds, rows - i);
+  for (; i + kW <= rows; i += kW)
+    RowsUpdate<kColumns, kDl, false>(columns, w + i, y, ld, s + i, lds, kW);
+  if (i < rows) RowsUpdate<kColumns, kDl, true>(columns, w + i, y, ld, s + i, lds, rows - i);
 }
 
-/// One block row of kDim rows, on its own in S, against the block columns 0 .. blocks - 1:
-/// everything unrolled, Y in registers. yt is column-major (ldy), w the blocks of W from the first
-/// one on.
+/// The same for one block of kDim x kDim: everything unrolled, W in registers.
 template <int kDim, int kDl>
-__attribute__((noinline)) void BlockRowUpdate(int blocks, const int32_t* row_offset,
-                                              const double* yt, Index ldy, const double* w,
-                                              double* s, Index lds) {
+__attribute__((noinline)) void BlockUpdate(const double* w, const double* y, Index ld, double* s,
+                                           Index lds) {
   constexpr int kFull = kDim / kW;
   constexpr int kLast = kDim % kW;
-  vd y[kDl][kFull + 1];
+  vd x[kDl][kFull + 1];
 #pragma GCC unroll 4
   for (int k = 0; k < kDl; ++k) {
-#pragma GCC unroll 8
-    for (int v = 0; v < kFull; ++v)
-      y[k][v] = Load(yt + k * ldy + v * kW);
-    if (kLast > 0) y[k][kFull] = LoadFirst<kLast>(yt + k * ldy + kFull * kW);
+#pragma GCC unroll 9
+    for (int v = 0; v < kFull + (kLast > 0 ? 1 : 0); ++v)
+      x[k][v] = Load(w + k * ld + v * kW);
   }
-#pragma GCC unroll 1
-  for (int b = 0; b < blocks; ++b) {
-    double* column = s + row_offset[b] * lds;
 #pragma GCC unroll 16
-    for (int c = 0; c < kDim; ++c) {
+  for (int c = 0; c < kDim; ++c, s += lds) {
+    vd yc[kDl];
+#pragma GCC unroll 4
+    for (int k = 0; k < kDl; ++k)
+      yc[k] = Splat(y[c + k * ld]);
 #pragma GCC unroll 8
-      for (int v = 0; v < kFull; ++v) {
-        vd x = Load(column + v * kW);
+    for (int v = 0; v < kFull; ++v) {
+      vd p = Load(s + v * kW);
 #pragma GCC unroll 4
-        for (int k = 0; k < kDl; ++k)
-          x -= y[k][v] * Splat(w[c * kDl + k]);
-        Store(column + v * kW, x);
-      }
-      if (kLast > 0) {
-        vd x = LoadFirst<kLast>(column + kFull * kW);
-#pragma GCC unroll 4
-        for (int k = 0; k < kDl; ++k)
-          x -= y[k][kFull] * Splat(w[c * kDl + k]);
-        StoreFirst<kLast>(column + kFull * kW, x);
-      }
-      column += lds;
+      for (int k = 0; k < kDl; ++k)
+        p -= x[k][v] * yc[k];
+      Store(s + v * kW, p);
     }
-    w += kDim * kDl;
+    if (kLast > 0) {
+      vd p = LoadFirst<kLast>(s + kFull * kW);
+#pragma GCC unroll 4
+      for (int k = 0; k < kDl; ++k)
+        p -= x[k][kFull] * yc[k];
+      StoreFirst<kLast>(s + kFull * kW, p);
+    }
   }
 }
 
 /// kDim > 0: all blocks have that dimension.
 template <int kDim, int kDl>
-void SchurUpdateFor(int m, const int32_t* row_offset, const int32_t* dim, const double* y,
-                    const double* w, double* s, Index lds) {
-  double transposed[kDl > 1 ? kDl * kRunRows : 1];
-  for (int first = 0; first < m;) {
-    // The run of blocks [first, end).
-    int rows = kDim > 0 ? kDim : dim[first];
-    int end = first + 1;
-    while (end < m && row_offset[end] == row_offset[first] + rows) {
-      const int more = kDim > 0 ? kDim : dim[end];
-      if (kDl > 1 && rows + more > kRunRows) break;
-      rows += more;
-      ++end;
-    }
-    const double* yt = y;
-    if (kDl > 1) {
-      for (int r = 0; r < rows; ++r) {
+void SchurUpdateFor(const SchurLandmark& l, const SchurRows& rows, int begin, int end,
+                    const SchurTarget& t, double* scratch) {
+  const int m = l.blocks;
+  const auto dim = [&](int a) { return kDim > 0 ? kDim : l.dim[a]; };
+  const double* w = l.w;
+  for (int a = 0; a < begin; ++a)
+    w += dim(a) * kDl;
+  int size = 0, own = 0;
+  for (int a = begin; a < m; ++a) {
+    size += dim(a);
+    if (a < end) own += dim(a);
+  }
+  // W transposed, of the vertices from `begin` on; Y = W H_ll^-1 of those whose columns are asked
+  // for. One whole vector behind the last row may be read.
+  const Index ld = (size + 15) / 8 * 8;
+  double* const wt = scratch;
+  double* const yt = scratch + kDl * ld;
+  int at = 0;
+  for (; at + kW <= size; at += kW) {
 #pragma GCC unroll 4
-        for (int k = 0; k < kDl; ++k)
-          transposed[r + k * kRunRows] = y[r * kDl + k];
+    for (int k = 0; k < kDl; ++k)
+      Store(wt + k * ld + at, LoadStrided(w + at * kDl + k, kDl, kW));
+  }
+  for (int count = size - at; at < ld; at += kW, count = 1) {
+#pragma GCC unroll 4
+    for (int k = 0; k < kDl; ++k) {
+      // Behind the last row: anything finite.
+      const double* last = w + (at < size ? at : size - 1) * kDl + k;
+      Store(wt + k * ld + at, LoadStrided(last, kDl, count > 0 ? count : 1));
+    }
+  }
+  vd inverse[kDl][kDl];
+#pragma GCC unroll 4
+  for (int i = 0; i < kDl; ++i) {
+#pragma GCC unroll 4
+    for (int k = 0; k < kDl; ++k)
+      inverse[i][k] = Splat(l.inverse[i * kDl + k]);
+  }
+  for (at = 0; at < own; at += kW) {
+    vd x[kDl];
+#pragma GCC unroll 4
+    for (int k = 0; k < kDl; ++k)
+      x[k] = Load(wt + k * ld + at);
+#pragma GCC unroll 4
+    for (int k = 0; k < kDl; ++k) {
+      vd y = x[0] * inverse[0][k];
+#pragma GCC unroll 4
+      for (int i = 1; i < kDl; ++i)
+        y += x[i] * inverse[i][k];
+      Store(yt + k * ld + at, y);
+    }
+  }
+
+  const double* wc = wt;
+  const double* y = yt;
+  for (int c = begin; c < end; ++c) {
+    const int columns = dim(c);
+    double* b = t.b + l.row[c];
+    for (int r = 0; r < columns; ++r) {
+      double sum = 0.0;
+#pragma GCC unroll 4
+      for (int k = 0; k < kDl; ++k)
+        sum += y[k * ld + r] * l.b[k];
+      b[r] -= sum;
+    }
+    const int32_t vertex = l.vertex[c];
+    double* const column = t.s + t.column[vertex];
+    const Index stride = t.stride[vertex];
+    if (rows.row == nullptr) {
+      RunUpdate<kDim, kDl>(columns, columns, wc, y, ld, column, stride);
+    } else {
+      // Row of vertex a in this column.
+      const int32_t* row = rows.row;
+      if (rows.packed) row += Index{c} * (m - 1) - Index{c} * (c - 1) / 2;
+      const double* wa = wc;
+      for (int a = c; a < m;) {
+        const int first = row[a];
+        int count = dim(a);
+        int next = a + 1;
+        for (; next < m && row[next] == first + count; ++next)
+          count += dim(next);
+        if (kDim > 0 && next == a + 1) {
+          BlockUpdate<kDim, kDl>(wa, y, ld, column + first, stride);
+        } else {
+          RunUpdate<kDim, kDl>(count, columns, wa, y, ld, column + first, stride);
+        }
+        wa += count;
+        a = next;
       }
-      yt = transposed;
     }
-    // Every block column that reaches it; those inside the run start at their own diagonal.
-    const double* wb = w;
-    double* s_run = s + row_offset[first];
-    if constexpr (kDim > 0) {
-      if (end == first + 1) {
-        BlockRowUpdate<kDim, kDl>(end, row_offset, yt, kRunRows, w, s_run, lds);
-        y += rows * kDl;
-        first = end;
-        continue;
-      }
-    }
-    for (int b = 0; b < first; ++b) {
-      const int columns = kDim > 0 ? kDim : dim[b];
-      RunUpdate<kDim, kDl>(rows, columns, yt, kRunRows, wb, s_run + row_offset[b] * lds, lds);
-      wb += columns * kDl;
-    }
-    const int all_rows = rows;
-    for (int b = first; b < end; ++b) {
-      const int columns = kDim > 0 ? kDim : dim[b];
-      const int skip = row_offset[b] - row_offset[first];
-      RunUpdate<kDim, kDl>(all_rows - skip, columns, yt + skip, kRunRows, wb,
-                           s_run + skip + row_offset[b] * lds, lds);
-      wb += columns * kDl;
-    }
-    y += all_rows * kDl;
-    first = end;
+    wc += columns;
+    y += columns;
   }
 }
 
 template <int kDim>
-inline void SchurUpdateUniform(int m, const int32_t* row_offset, const int32_t* dim, int dl,
-                               const double* y, const double* w, double* s, Index lds) {
-  switch (dl) {
+inline void SchurUpdateUniform(const SchurLandmark& l, const SchurRows& rows, int begin, int end,
+                               const SchurTarget& t, double* scratch) {
+  switch (l.dl) {
     case 1:
-      SchurUpdateFor<kDim, 1>(m, row_offset, dim, y, w, s, lds);
-      return;
+      return SchurUpdateFor<kDim, 1>(l, rows, begin, end, t, scratch);
     case 2:
-      SchurUpdateFor<kDim, 2>(m, row_offset, dim, y, w, s, lds);
-      return;
+      return SchurUpdateFor<kDim, 2>(l, rows, begin, end, t, scratch);
     case 3:
-      SchurUpdateFor<kDim, 3>(m, row_offset, dim, y, w, s, lds);
-      return;
+      return SchurUpdateFor<kDim, 3>(l, rows, begin, end, t, scratch);
     default:
-      SchurUpdateFor<kDim, 4>(m, row_offset, dim, y, w, s, lds);
-      return;
+      return SchurUpdateFor<kDim, 4>(l, rows, begin, end, t, scratch);
   }
 }
 
-void SchurUpdate(int m, const int32_t* row_offset, const int32_t* dim, int dl, const double* y,
-                 const double* w, double* s, int lds) {
-  if (m <= 0) return;
+void SchurUpdate(const SchurLandmark* l, SchurRows rows, int begin, int end, const SchurTarget* t,
+                 double* scratch) {
+  if (begin >= end) return;
   bool uniform = true;
-  for (int a = 1; a < m; ++a)
-    uniform &= dim[a] == dim[0];
-  switch (uniform ? dim[0] : 0) {
+  for (int a = begin + 1; a < l->blocks; ++a)
+    uniform &= l->dim[a] == l->dim[begin];
+  for (int a = 0; a < begin; ++a)
+    uniform &= l->dim[a] == l->dim[begin];
+  switch (uniform ? l->dim[begin] : 0) {
     case 6:
-      SchurUpdateUniform<6>(m, row_offset, dim, dl, y, w, s, lds);
-      return;
+      return SchurUpdateUniform<6>(*l, rows, begin, end, *t, scratch);
     case 9:
-      SchurUpdateUniform<9>(m, row_offset, dim, dl, y, w, s, lds);
-      return;
+      return SchurUpdateUniform<9>(*l, rows, begin, end, *t, scratch);
     case 15:
-      SchurUpdateUniform<15>(m, row_offset, dim, dl, y, w, s, lds);
-      return;
+      return SchurUpdateUniform<15>(*l, rows, begin, end, *t, scratch);
     default:
-      SchurUpdateUniform<0>(m, row_offset, dim, dl, y, w, s, lds);
-      return;
+      return SchurUpdateUniform<0>(*l, rows, begin, end, *t, scratch);
+  }
+}
+
+/// out = H_ll^-1 (sign W'x + b): b null is zero.
+template <int kDl>
+GLISSADE_INLINE void Substitute(const SchurLandmark& l, double sign, const double* b,
+                                const double* x, double* out) {
+  // Two sums each: additions wait for each other.
+  double sum[2][kDl] = {};
+  const double* w = l.w;
+  for (int a = 0; a < l.blocks; ++a) {
+    const double* xa = x + l.row[a];
+    const int dim = l.dim[a];
+    int r = 0;
+    for (; r + 2 <= dim; r += 2, w += 2 * kDl) {
+#pragma GCC unroll 4
+      for (int k = 0; k < kDl; ++k) {
+        sum[0][k] += w[k] * xa[r];
+        sum[1][k] += w[kDl + k] * xa[r + 1];
+      }
+    }
+    if (r < dim) {
+#pragma GCC unroll 4
+      for (int k = 0; k < kDl; ++k)
+        sum[0][k] += w[k] * xa[r];
+      w += kDl;
+    }
+  }
+  double rhs[kDl];
+#pragma GCC unroll 4
+  for (int k = 0; k < kDl; ++k)
+    rhs[k] = (b == nullptr ? 0.0 : b[k]) + sign * (sum[0][k] + sum[1][k]);
+#pragma GCC unroll 4
+  for (int r = 0; r < kDl; ++r) {
+    double value = 0.0;
+#pragma GCC unroll 4
+    for (int c = 0; c < kDl; ++c)
+      value += l.inverse[r * kDl + c] * rhs[c];
+    out[r] = value;
+  }
+}
+
+template <int kDl>
+void SchurMultiplyFor(const SchurLandmark& l, const double* x, double* y) {
+  double u[kDl];
+  Substitute<kDl>(l, 1.0, nullptr, x, u);
+  const double* w = l.w;
+  for (int a = 0; a < l.blocks; ++a) {
+    double* ya = y + l.row[a];
+    for (int r = 0; r < l.dim[a]; ++r, w += kDl) {
+      double sum = 0.0;
+#pragma GCC unroll 4
+      for (int k = 0; k < kDl; ++k)
+        sum += w[k] * u[k];
+      ya[r] -= sum;
+    }
+  }
+}
+
+void LandmarkStep(const SchurLandmark* l, const double* x, double* step) {
+  switch (l->dl) {
+    case 1:
+      return Substitute<1>(*l, -1.0, l->b, x, step);
+    case 2:
+      return Substitute<2>(*l, -1.0, l->b, x, step);
+    case 3:
+      return Substitute<3>(*l, -1.0, l->b, x, step);
+    default:
+      return Substitute<4>(*l, -1.0, l->b, x, step);
+  }
+}
+
+void SchurMultiply(const SchurLandmark* l, const double* x, double* y) {
+  switch (l->dl) {
+    case 1:
+      return SchurMultiplyFor<1>(*l, x, y);
+    case 2:
+      return SchurMultiplyFor<2>(*l, x, y);
+    case 3:
+      return SchurMultiplyFor<3>(*l, x, y);
+    default:
+      return SchurMultiplyFor<4>(*l, x, y);
   }
 }
 

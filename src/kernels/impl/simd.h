@@ -61,6 +61,20 @@ GLISSADE_INLINE vd LoadPartial(const double* p, int count) {
 #endif
 }
 
+/// `count` (1 to kW) doubles, `stride` apart; the last one again in the other lanes. Put together
+/// in registers: a vector that was stored as scalars a moment ago would wait for the last of them
+/// to reach the cache.
+GLISSADE_INLINE vd LoadStrided(const double* p, Index stride, int count) {
+  const auto at = [&](int i) { return p[(i < count ? i : count - 1) * stride]; };
+#if GLISSADE_KERNEL_WIDTH == 8
+  return vd{p[0], at(1), at(2), at(3), at(4), at(5), at(6), at(7)};
+#elif GLISSADE_KERNEL_WIDTH == 4
+  return vd{p[0], at(1), at(2), at(3)};
+#else
+  return vd{p[0], at(1)};
+#endif
+}
+
 /// Stores the first `count` (1 to kW) lanes, touching no other memory.
 GLISSADE_INLINE void StorePartial(double* p, vd v, int count) {
 #if GLISSADE_KERNEL_WIDTH == 8

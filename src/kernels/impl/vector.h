@@ -87,14 +87,18 @@ GLISSADE_INLINE void SymvColumns(int n, const double* a, Index lda, int j, const
     y[j + c] += s[c] + Sum(sum[c]);
 }
 
+void SymvLowerColumns(int n, int columns, const double* a, int lda, const double* x, double* y) {
+  int j = 0;
+  for (; j + 4 <= columns; j += 4)
+    SymvColumns<4>(n, a, lda, j, x, y);
+  for (; j < columns; ++j)
+    SymvColumns<1>(n, a, lda, j, x, y);
+}
+
 void SymvLower(int n, const double* a, int lda, const double* x, double* y) {
   for (int i = 0; i < n; ++i)
     y[i] = 0.0;
-  int j = 0;
-  for (; j + 4 <= n; j += 4)
-    SymvColumns<4>(n, a, lda, j, x, y);
-  for (; j < n; ++j)
-    SymvColumns<1>(n, a, lda, j, x, y);
+  SymvLowerColumns(n, n, a, lda, x, y);
 }
 
 }  // namespace

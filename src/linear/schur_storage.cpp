@@ -1,0 +1,237 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linear/schur_storage.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "kernels/kernels.h"
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// Columns a multiple of 8 apart: aligned relative to each other, and the masked tail of a short
+/// one does not overlap the next.
+std::int32_t PaddedStride(std::int64_t rows) {
+  return static_cast<std::int32_t>((rows + 7) / 8 * 8);
+}
+
+}  // namespace
+
+const SchurLayout& SchurStorage::AllBlocks(const Structure& structure) {
+  if (all_.version == structure.analysis()) return all_;
+  offsets_.assign(structure.pose_offsets().begin(), structure.pose_offsets().end());
+  pattern_ = structure.reduced_pattern();
+  all_ = {offsets_, pattern_, structure.analysis()};
+  const std::size_t n = all_.num_vertices();
+  column_begin_.assign(n + 1, 0);
+  for (const BlockIndex& block : all_.blocks)
+    ++column_begin_[Index(block.col) + 1];
+  std::partial_sum(column_begin_.begin(), column_begin_.end(), column_begin_.begin());
+  return all_;
+}
+
+void SchurStorage::LayOut(const Structure& structure, SchurForm form) {
+  AllBlocks(structure);
+  if (laid_out_ == structure.analysis() && form_ == form) return;
+  laid_out_ = 0;
+  form_ = form;
+  MakePlaces();
+  cuts_.clear();
+  ListPoseBlocks(structure);
+  ListLandmarkRows(structure);
+  const ReprojectionPlan& plan = structure.reprojections();
+  reprojection_places_.resize(plan.blocks.size());
+  for (std::size_t k = 0; k < plan.blocks.size(); ++k)
+    reprojection_places_[k] = Find(plan.blocks[k].row, plan.blocks[k].col);
+  rhs_.resize(Index(all_.size()));
+  laid_out_ = structure.analysis();
+}
+
+void SchurStorage::MakePlaces() {
+  const std::size_t n = all_.num_vertices();
+  column_.resize(n);
+  stride_.resize(n);
+  place_.assign(all_.blocks.size(), -1);
+  stored_.clear();
+  std::int64_t size = 0;
+  for (std::size_t c = 0; c < n; ++c) {
+    const std::int64_t width = all_.Dim(static_cast<std::int32_t>(c));
+    const std::size_t begin = Index(column_begin_[c]), end = Index(column_begin_[c + 1]);
+    if (form_ == SchurForm::kDense) {
+      stride_[c] = PaddedStride(all_.size());
+      column_[c] = all_.offsets[c] * stride_[c];
+      for (std::size_t k = begin; k < end; ++k)
+        place_[k] = column_[c] + all_.offsets[Index(all_.blocks[k].row)];
+      size += width * stride_[c];
+      continue;
+    }
+    column_[c] = size;
+    std::int64_t height = 0;
+    for (std::size_t k = begin; k < end; ++k) {
+      const BlockIndex block = all_.blocks[k];
+      if (form_ == SchurForm::kDiagonalBlocks && block.row != block.col) continue;
+      place_[k] = size + height;
+      height += all_.Dim(block.row);
+      if (form_ == SchurForm::kDiagonalBlocks) stored_.push_back(block);
+    }
+    stride_[c] = PaddedStride(height);
+    size += width * stride_[c];
+  }
+  // In the dense form blocks outside the pattern are never written: zero once.
+  data_.assign(Index(size), 0.0);
+  if (form_ == SchurForm::kDense) stored_.push_back({0, 0});
+  layout_ = all_;
+  if (form_ != SchurForm::kBlocks) layout_.blocks = stored_;
+}
+
+std::size_t SchurStorage::IndexOf(std::int32_t row, std::int32_t col) const {
+  const auto begin = all_.blocks.begin() + column_begin_[Index(col)];
+  const auto end = all_.blocks.begin() + column_begin_[Index(col) + 1];
+  const auto at = std::lower_bound(begin, end, row,
+                                   [](const BlockIndex& a, std::int32_t r) { return a.row < r; });
+  return Index(at - all_.blocks.begin());
+}
+
+BlockPlace SchurStorage::Find(std::int32_t row, std::int32_t col) const {
+  return Place(IndexOf(row, col));
+}
+
+void SchurStorage::ListPoseBlocks(const Structure& structure) {
+  varying_block_.assign(all_.blocks.size(), -1);
+  const std::span<const PoseBlockPair> pairs = structure.varying_blocks();
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    varying_block_[IndexOf(pairs[k].row, pairs[k].col)] = static_cast<std::int32_t>(k);
+  first_constant_.assign(all_.blocks.size(), -1);
+  next_constant_.clear();
+  for (const ConstantBlock& block : structure.constant_blocks()) {
+    const PoseBlockPair& pair = structure.h_blocks()[Index(block.pair)];
+    std::int32_t& first = first_constant_[IndexOf(pair.row, pair.col)];
+    next_constant_.push_back(first);
+    first = static_cast<std::int32_t>(next_constant_.size()) - 1;
+  }
+}
+
+void SchurStorage::ListLandmarkRows(const Structure& structure) {
+  landmark_begin_.clear();
+  landmark_rows_.clear();
+  if (form_ != SchurForm::kBlocks) return;
+  const std::vector<std::int32_t>& vertex = structure.slot_block();
+  const LandmarkBlock* last = nullptr;
+  for (const LandmarkBlock& landmark : structure.landmarks()) {
+    const auto begin = vertex.begin() + landmark.slot_begin;
+    const auto end = vertex.begin() + landmark.slot_end;
+    // Neighbours are often seen by the same vertices.
+    if (last != nullptr && std::equal(begin, end, vertex.begin() + last->slot_begin,
+                                      vertex.begin() + last->slot_end)) {
+      landmark_begin_.push_back(landmark_begin_.back());
+      continue;
+    }
+    last = &landmark;
+    landmark_begin_.push_back(static_cast<std::int64_t>(landmark_rows_.size()));
+    for (auto col = begin; col != end; ++col) {
+      for (auto row = col; row != end; ++row) {
+        landmark_rows_.push_back(
+            static_cast<std::int32_t>(Find(*row, *col).offset - column_[Index(*col)]));
+      }
+    }
+  }
+}
+
+kernels::SchurRows SchurStorage::RowsOf(const Structure& structure, std::size_t landmark) const {
+  switch (form_) {
+    case SchurForm::kDense:
+      return {structure.slot_row().data() + structure.landmarks()[landmark].slot_begin, false};
+    case SchurForm::kBlocks:
+      return {landmark_rows_.data() + landmark_begin_[landmark], true};
+    case SchurForm::kDiagonalBlocks:
+      break;
+  }
+  return {nullptr, false};
+}
+
+const std::vector<std::int32_t>& SchurStorage::CutColumns(const Structure& structure, int count) {
+  if (!cuts_.empty() && num_cuts_ == count) return cuts_;
+  num_cuts_ = count;
+  cuts_.assign(1, 0);
+  const std::size_t n = all_.num_vertices();
+  if (count > 1 && n > 1) {
+    // Products of blocks per block column.
+    work_.resize(n);
+    for (std::size_t c = 0; c < n; ++c)
+      work_[c] = column_begin_[c + 1] - column_begin_[c];
+    for (const LandmarkBlock& landmark : structure.landmarks()) {
+      for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
+        work_[Index(structure.slot_block()[Index(s)])] +=
+            form_ == SchurForm::kDiagonalBlocks ? 1 : landmark.slot_end - s;
+      }
+    }
+    const std::int64_t total = std::accumulate(work_.begin(), work_.end(), std::int64_t{0});
+    std::int64_t sum = 0;
+    for (std::size_t c = 0; c < n; ++c) {
+      if (c > 0 && sum * count >= total * static_cast<std::int64_t>(cuts_.size())) {
+        cuts_.push_back(static_cast<std::int32_t>(c));
+      }
+      sum += work_[c];
+    }
+  }
+  cuts_.push_back(static_cast<std::int32_t>(n));
+  return cuts_;
+}
+
+BlockView SchurStorage::Block(std::size_t k) const {
+  switch (form_) {
+    case SchurForm::kDense:
+      return {data_.data(), stride_.empty() ? 0 : stride_.front()};
+    case SchurForm::kBlocks:
+      return {data_.data() + place_[k], stride_[Index(all_.blocks[k].col)]};
+    case SchurForm::kDiagonalBlocks:
+      break;
+  }
+  // One block a column: the k-th is that of vertex k.
+  return {data_.data() + column_[k], stride_[k]};
+}
+
+void SchurStorage::Multiply(const double* x, double* y) const {
+  const auto n = static_cast<int>(all_.size());
+  if (form_ == SchurForm::kDiagonalBlocks) return product_(product_self_, x, y);
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  if (form_ == SchurForm::kDense) {
+    kernel.symv_lower(n, data_.data(), stride_.empty() ? 0 : stride_.front(), x, y);
+    return;
+  }
+  std::fill_n(y, n, 0.0);
+  x_part_.resize(Index(n));
+  y_part_.resize(Index(n));
+  for (std::size_t c = 0; c < all_.num_vertices(); ++c) {
+    // The rows of a block column one after the other, as it is stored.
+    int rows = 0;
+    const auto for_each_block = [&](auto&& f) {
+      rows = 0;
+      for (std::int32_t k = column_begin_[c]; k < column_begin_[c + 1]; ++k) {
+        const std::int32_t row = all_.blocks[Index(k)].row;
+        const int dim = all_.Dim(row);
+        f(all_.offsets[Index(row)], rows, dim);
+        rows += dim;
+      }
+    };
+    for_each_block([&](std::int64_t from, int to, int dim) {
+      std::copy_n(x + from, dim, x_part_.data() + to);
+      std::fill_n(y_part_.data() + to, dim, 0.0);
+    });
+    kernel.symv_lower_columns(rows, all_.Dim(static_cast<std::int32_t>(c)),
+                              data_.data() + column_[c], stride_[c], x_part_.data(),
+                              y_part_.data());
+    for_each_block([&](std::int64_t to, int from, int dim) {
+      for (int r = 0; r < dim; ++r)
+        y[to + r] += y_part_[Index(from + r)];
+    });
+  }
+}
+
+}  // namespace glissade

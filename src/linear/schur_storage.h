@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "glissade/base/thread_pool.h"
+#include "glissade/linear/schur_operator.h"
+#include "glissade/structure/structure.h"
+#include "kernels/schur.h"
+
+namespace glissade {
+
+/// Where a block of S is: element (r, c) at data()[offset + r + c * stride].
+struct BlockPlace {
+  std::int64_t offset = -1;  ///< -1: not stored in this form
+  std::int32_t stride = 0;
+
+  [[nodiscard]] bool stored() const { return offset >= 0; }
+};
+
+/// Storage of the reduced system in the form that a solver asked for, and where each part of the
+/// problem adds to it: tables made once per analysis and form.
+///
+/// S is stored by block columns, column-major: a block column's stored blocks lie one below the
+/// other, with one stride. In the dense form that is the lower triangle of an n x n square; else
+/// only what can be non-zero takes room. Block columns do not overlap, so tasks that own different
+/// ones may write at the same time.
+class SchurStorage final : public SchurOperator {
+ public:
+  /// All blocks that can be non-zero, whatever is stored.
+  const SchurLayout& AllBlocks(const Structure& structure);
+  /// Makes room and tables, if structure or form are new. Blocks outside the pattern are zero.
+  void LayOut(const Structure& structure, SchurForm form);
+  [[nodiscard]] SchurForm form() const { return form_; }
+
+  // --- What is added where -----------------------------------------------------------------------
+  [[nodiscard]] double* data() { return data_.data(); }
+  /// Right-hand side.
+  [[nodiscard]] std::vector<double>& rhs() { return rhs_; }
+  [[nodiscard]] const std::vector<double>& rhs() const { return rhs_; }
+  /// Place of a block; row >= col.
+  [[nodiscard]] BlockPlace Find(std::int32_t row, std::int32_t col) const;
+  /// By k of Structure::reduced_pattern(): blocks [ColumnBegin(c), ColumnBegin(c + 1)) are those of
+  /// block column c.
+  [[nodiscard]] BlockPlace Place(std::size_t k) const {
+    return {place_[k], stride_[static_cast<std::size_t>(all_.blocks[k].col)]};
+  }
+  [[nodiscard]] std::size_t ColumnBegin(int col) const {
+    return static_cast<std::size_t>(column_begin_[static_cast<std::size_t>(col)]);
+  }
+  /// Index in Structure::varying_blocks() of the k-th block of the pattern, -1: not there.
+  [[nodiscard]] std::int32_t VaryingBlock(std::size_t k) const { return varying_block_[k]; }
+  /// Its first index in Structure::constant_blocks(), and the next one after c; -1: none.
+  [[nodiscard]] std::int32_t FirstConstant(std::size_t k) const { return first_constant_[k]; }
+  [[nodiscard]] std::int32_t NextConstant(std::int32_t c) const {
+    return next_constant_[static_cast<std::size_t>(c)];
+  }
+  /// By index in Structure::reprojections().blocks.
+  [[nodiscard]] const std::vector<BlockPlace>& reprojection_places() const {
+    return reprojection_places_;
+  }
+  /// What schur_update needs to know.
+  [[nodiscard]] kernels::SchurTarget Target() {
+    return {data_.data(), rhs_.data(), column_.data(), stride_.data()};
+  }
+  [[nodiscard]] kernels::SchurRows RowsOf(const Structure& structure, std::size_t landmark) const;
+  /// Cuts the block columns into about `count` ranges of about equal work: range k is [cuts[k],
+  /// cuts[k + 1]).
+  const std::vector<std::int32_t>& CutColumns(const Structure& structure, int count);
+
+  // --- SchurOperator -----------------------------------------------------------------------------
+  [[nodiscard]] const SchurLayout& layout() const override { return layout_; }
+  [[nodiscard]] BlockView Block(std::size_t k) const override;
+  void Multiply(const double* x, double* y) const override;
+  /// y = S x without S, for kDiagonalBlocks: set by whoever has H.
+  using Product = void (*)(void* self, const double* x, double* y);
+  void SetProduct(Product product, void* self) {
+    product_ = product;
+    product_self_ = self;
+  }
+
+ private:
+  void MakePlaces();
+  void ListLandmarkRows(const Structure& structure);
+  void ListPoseBlocks(const Structure& structure);
+  [[nodiscard]] std::size_t IndexOf(std::int32_t row, std::int32_t col) const;
+
+  SchurForm form_ = SchurForm::kDense;
+  std::uint64_t laid_out_ = 0;  // the analysis that the tables belong to
+  SchurLayout all_, layout_;
+  std::vector<std::int64_t> offsets_;
+  std::vector<BlockIndex> pattern_;
+  std::vector<BlockIndex> stored_;  // layout_.blocks, where that is not the pattern
+  std::vector<double> data_, rhs_;
+  std::vector<std::int64_t> column_;  // by vertex: offset of its block column
+  std::vector<std::int32_t> stride_;
+  std::vector<std::int32_t> column_begin_;                    // in the pattern
+  std::vector<std::int64_t> place_;                           // by block of the pattern
+  std::vector<std::int32_t> varying_block_, first_constant_;  // the same
+  std::vector<std::int32_t> next_constant_;
+  std::vector<BlockPlace> reprojection_places_;
+  std::vector<std::int64_t> landmark_begin_;  // in landmark_rows_
+  std::vector<std::int32_t> landmark_rows_;   // packed lower triangles
+  std::vector<std::int32_t> cuts_;
+  int num_cuts_ = 0;
+  std::vector<std::int64_t> work_;
+  Product product_ = nullptr;
+  void* product_self_ = nullptr;
+  mutable std::vector<double> x_part_, y_part_;
+};
+
+}  // namespace glissade
