@@ -162,15 +162,19 @@ void Syrk(benchmark::State& state, const KernelTable* table, int n, int depth) {
 
 /// What the generic Schur complement does with fixed-size Eigen blocks.
 template <int kDim, int kDl>
-void EigenSchurUpdate(int m, const int32_t* row, const double* y, const double* w,
-                      Eigen::Map<Eigen::MatrixXd>& s) {
+void EigenSchurUpdate(const SchurLandmark& landmark, Eigen::Map<Eigen::MatrixXd>& s,
+                      Eigen::VectorXd& b_s) {
   using Block = Eigen::Matrix<double, kDim, kDl, kDl == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
-  for (int a = 0; a < m; ++a) {
-    const Eigen::Map<const Block> ya(y + a * kDim * kDl);
+  const Eigen::Map<const Eigen::Matrix<double, kDl, kDl>> inverse(landmark.inverse);
+  const Eigen::Map<const Eigen::Matrix<double, kDl, 1>> b_l(landmark.b);
+  const int32_t* row = landmark.row;
+  for (int a = 0; a < landmark.blocks; ++a) {
+    const Block ya = Eigen::Map<const Block>(landmark.w + a * kDim * kDl) * inverse;
     for (int b = 0; b <= a; ++b) {
-      const Eigen::Map<const Block> wb(w + b * kDim * kDl);
+      const Eigen::Map<const Block> wb(landmark.w + b * kDim * kDl);
       s.template block<kDim, kDim>(row[a], row[b]).noalias() -= ya * wb.transpose();
     }
+    b_s.template segment<kDim>(row[a]).noalias() -= ya * b_l;
   }
 }
 
@@ -184,22 +188,36 @@ void Schur(benchmark::State& state, const KernelTable* table, int m, int stride)
   Buffer s(Size(ld, n));
   Eigen::Map<Eigen::MatrixXd> map(s.data(), ld, n);
   const size_t m_size = static_cast<size_t>(m);
-  std::vector<int32_t> row(kLandmarks * m_size);
+  std::vector<int32_t> camera(kLandmarks * m_size), row(camera.size());
   const std::vector<int32_t> dim(m_size, kDim);
   for (int l = 0; l < kLandmarks; ++l) {
     const int first = (l * 17) % (kCameras - (m - 1) * stride);
     for (int a = 0; a < m; ++a) {
-      row[static_cast<size_t>(l * m + a)] = (first + a * stride) * kDim;
+      const size_t at = static_cast<size_t>(l * m + a);
+      camera[at] = first + a * stride;
+      row[at] = camera[at] * kDim;
     }
   }
-  const Eigen::VectorXd y = Eigen::VectorXd::Random(m * kDim * kDl);
+  // S in its dense form.
+  std::vector<int64_t> column;
+  for (int c = 0; c < kCameras; ++c)
+    column.push_back(int64_t{c} * kDim * ld);
+  const std::vector<int32_t> strides(kCameras, ld);
+  const Eigen::VectorXd w = Eigen::VectorXd::Random(m * kDim * kDl);
+  const Eigen::Matrix<double, kDl, kDl> inverse = Eigen::Matrix<double, kDl, kDl>::Identity();
+  const Eigen::Matrix<double, kDl, 1> b_l = Eigen::Matrix<double, kDl, 1>::Ones();
+  Eigen::VectorXd b_s = Eigen::VectorXd::Zero(n);
+  Buffer scratch(static_cast<size_t>(SchurScratch(m * kDim)));
+  const SchurTarget target{s.data(), b_s.data(), column.data(), strides.data()};
   for (auto _ : state) {
     for (int l = 0; l < kLandmarks; ++l) {
-      const int32_t* rows = &row[static_cast<size_t>(l * m)];
+      const size_t first = static_cast<size_t>(l * m);
+      const SchurLandmark landmark{m,          kDl,      &camera[first], &row[first],
+                                   dim.data(), w.data(), inverse.data(), b_l.data()};
       if (table != nullptr) {
-        table->schur_update(m, rows, dim.data(), kDl, y.data(), y.data(), s.data(), ld);
+        table->schur_update(&landmark, {landmark.row, false}, 0, m, &target, scratch.data());
       } else {
-        EigenSchurUpdate<kDim, kDl>(m, rows, y.data(), y.data(), map);
+        EigenSchurUpdate<kDim, kDl>(landmark, map, b_s);
       }
     }
     benchmark::ClobberMemory();
