@@ -39,6 +39,12 @@ macro(glissade_enable_instrumentation)
       # GCC's flow analysis sees the sanitizer's own branches and warns about Eigen's temporaries.
       add_compile_options(-Wno-maybe-uninitialized)
     endif()
+    if(GLISSADE_SANITIZE MATCHES "address")
+      # Under AddressSanitizer Eigen puts an address of its own before each block that it takes from
+      # malloc; libceres, built without a sanitizer, does not. The linker keeps one copy of an inline
+      # function, so that one may free what the other took. glibc's malloc is aligned as Eigen wants.
+      add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
+    endif()
   endif()
   if(GLISSADE_COVERAGE)
     add_compile_options(--coverage -fprofile-update=atomic)

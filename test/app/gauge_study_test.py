@@ -7,7 +7,7 @@ import csv
 import subprocess
 import sys
 
-from app_test_util import ROOT, AppTest, data_folder, main
+from app_test_util import ROOT, AppTest, data_folder, main, without_sanitizers
 
 WEIGHTS = [0, 3, 7, 10, 50, 100, 300, 500, 1e3, 5e3, 1e5, 5e6, 1e8]
 METHODS = ("fixed", "free", "prior")
@@ -42,6 +42,7 @@ class GaugeStudy(AppTest):
         for key in ("position_m", "rotation_rad", "velocity_mps"):
             self.assertLess(agreement[key], 1e-6)
 
+    @without_sanitizers
     def test_study(self):
         study = self.run_json("--trials", 8, timeout=900)
         self.assertEqual([(c["trajectory"], c["points"]) for c in study["configurations"]],
@@ -69,6 +70,7 @@ class GaugeStudy(AppTest):
             self.assertGreater(path["steps"][0]["reprojection_px"], 10)
             self.assertLess(path["steps"][-1]["reprojection_px"], 4)
 
+    @without_sanitizers
     def test_same_seed_same_numbers(self):
         once = self.run_json("--trials", 2, "--seed", 5, "--threads", 2, timeout=900)
         self.assertEqual(without_times(once),
@@ -91,6 +93,7 @@ class GaugeStudy(AppTest):
         self.assertIsNone(covariance["log10_difference"][0][0])
         self.assertLess(covariance["log10_difference"][-1][-1], -6)
 
+    @without_sanitizers
     def test_recordings(self):
         data = data_folder()
         names = ("euroc_v101_semi", "euroc_mh05_semi")

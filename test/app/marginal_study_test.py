@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """marginal_study: what its numbers must show, and what it refuses."""
 
-from app_test_util import AppTest, main
+from app_test_util import AppTest, main, without_sanitizers
 
 
 class MarginalStudyTest(AppTest):
@@ -26,6 +26,7 @@ class MarginalStudyTest(AppTest):
                     self.assertGreater(yaw, 1e-10, (gauge, mode))
                 self.assertLess(max(row["kappa_position"] for row in rows), 1e-12, (gauge, mode))
 
+    @without_sanitizers
     def test_no_window_falls_into_what_its_front_end_would_not_give_it(self):
         # Starts in a world frame that the window had left, biases without a prior, hardly a point
         # left after the first marginalization: costs of 7084 where the noise makes 300.

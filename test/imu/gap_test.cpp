@@ -137,7 +137,10 @@ class Motion {
   std::vector<ImuSample> truth_;
 };
 
-constexpr int kRuns = test::kSanitized ? 60 : 400;
+constexpr int kRuns = test::kSanitized ? 40 : 400;
+/// How many of them may be outside of what 1 in 1000 is: 4 % (motions are not what they are modelled
+/// as). Of few runs, chance makes it more.
+constexpr int kOutside = test::kSanitized ? 5 : 16;
 
 /// Lively, but not as lively as what the defaults allow for.
 TEST(ImuGap, IsNoOverconfidentFactor) {
@@ -157,7 +160,7 @@ TEST(ImuGap, IsNoOverconfidentFactor) {
       claimed += motion.Nees(claims);
     }
     EXPECT_LT(sum / kRuns, 10.0);
-    EXPECT_LE(outside, kRuns / 25);
+    EXPECT_LE(outside, kOutside);
     if (c.end_ms - c.begin_ms >= 300) {
       EXPECT_GT(claimed / kRuns, 20.0);
     }
