@@ -16,18 +16,30 @@ namespace {
 
 using PoseNoise = std::vector<std::array<double, 6>>;  // tangent, pose by pose
 
-std::vector<PoseNoise> DrawNoise(const SweepOptions& options, std::size_t num_poses) {
-  sim::MinstdRand0 engine(options.seed);
-  sim::NormalReal normal(0.0, options.pose_noise);
-  std::vector<PoseNoise> noise(static_cast<std::size_t>(options.trials), PoseNoise(num_poses));
-  for (PoseNoise& trial : noise) {
-    for (auto& pose : trial) {
-      for (double& x : pose)
-        x = normal(engine);
+/// The same for trial k of every row. Drawn when first asked for: an interrupt soon after the start
+/// finds trials done, however many there are to be.
+class NoiseOfTrials {
+ public:
+  NoiseOfTrials(const SweepOptions& options, std::size_t num_poses)
+      : engine_(options.seed), normal_(0.0, options.pose_noise), num_poses_(num_poses) {}
+
+  const PoseNoise& operator[](int trial) {
+    while (drawn_.size() <= static_cast<std::size_t>(trial)) {
+      PoseNoise& noise = drawn_.emplace_back(num_poses_);
+      for (auto& pose : noise) {
+        for (double& x : pose)
+          x = normal_(engine_);
+      }
     }
+    return drawn_[static_cast<std::size_t>(trial)];
   }
-  return noise;
-}
+
+ private:
+  sim::MinstdRand0 engine_;
+  sim::NormalReal normal_;
+  std::size_t num_poses_;
+  std::vector<PoseNoise> drawn_;
+};
 
 SweepStep Measure(const IterationSummary& it, const CourseScene& scene, const Graph& graph,
                   const CourseHandles& handles, int num_priors) {
@@ -101,15 +113,14 @@ Result<SweepTrial> RunTrial(const CourseScene& scene, const SweepOptions& option
 }  // namespace
 
 Result<std::vector<SweepRow>> RunSweep(const CourseScene& scene, const SweepOptions& options) {
-  const std::vector<PoseNoise> noise = DrawNoise(options, scene.poses.size());
+  NoiseOfTrials noise(options, scene.poses.size());
   std::vector<SweepRow> rows;
   for (double weight : options.weights)
     rows.push_back({.fixed = false, .weight = weight, .trials = {}});
   rows.push_back({.fixed = true, .weight = 0.0, .trials = {}});
   for (SweepRow& row : rows) {
-    for (const PoseNoise& trial_noise : noise) {
-      if (Interrupted()) break;
-      auto trial = RunTrial(scene, options, row, trial_noise);
+    for (int k = 0; k < options.trials && !Interrupted(); ++k) {
+      auto trial = RunTrial(scene, options, row, noise[k]);
       if (Interrupted()) break;  // that trial may have been cut short
       if (!trial.ok()) return trial.status();
       row.trials.push_back(std::move(trial).value());

@@ -110,6 +110,7 @@ class Minimizer {
     if (summary_.iterations.empty()) cost_ = cost;
     gradient_ = w_.equations.MaxGradient();
     if (!std::isfinite(gradient_)) {
+      gradient_ = 0.0;
       Fail({StatusCode::kNotFinite, "the gradient is not finite"});
       return false;
     }
@@ -228,7 +229,10 @@ class Minimizer {
     const double rounding = 16.0 * std::numeric_limits<double>::epsilon() * cost_;
     const bool invisible = predicted >= 0.0 && predicted <= rounding;
     iteration_.cost_change = decrease;
-    iteration_.gain_ratio = invisible ? 1.0 : strategy_.GainRatio(decrease);
+    // Of a hopeless step it can be beyond what a double holds.
+    constexpr double kMost = std::numeric_limits<double>::max();
+    const double gain_ratio = invisible ? 1.0 : strategy_.GainRatio(decrease);
+    iteration_.gain_ratio = std::isnan(gain_ratio) ? 0.0 : std::clamp(gain_ratio, -kMost, kMost);
     const bool accept =
         failure.ok() && predicted >= 0.0 &&
         (invisible ? trial_cost <= lowest_cost_ + rounding

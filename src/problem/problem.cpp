@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "glissade/base/out_of_memory.h"
+#include "glissade/base/validate.h"
 #include "glissade/minimizer/minimizer.h"
 
 namespace glissade {
@@ -139,8 +140,13 @@ Status Problem::SolveLinearSystem(double lambda, const SolveOptions& options) {
     LinearSolverResult result;
     failure =
         w.equations.Solve(w.structure, *this, solver, MakeRequest(options), &w.threads, &result);
-    workspace_->solved = failure.ok();
-    return failure;
+    if (!failure.ok()) return failure;
+    const std::vector<double>& step = w.equations.step();
+    if (!internal::AllFinite(step.data(), static_cast<int>(step.size()))) {
+      return {StatusCode::kNotFinite, "SolveLinearSystem: the step is not finite"};
+    }
+    workspace_->solved = true;
+    return {};
   });
 }
 
@@ -150,6 +156,14 @@ Status Problem::UpdateStates() {
   }
   SaveStates();
   ApplyStep(workspace_->solver.structure, workspace_->solver.equations.step(), this);
+  for (const AnyVertex& vertex : FreeVertices()) {
+    const VertexPoolBase& pool = *PoolOf(vertex.type);
+    const Status status = pool.ops().validate(pool.Data(pool.slots().IndexOf(vertex.slot)));
+    if (status.ok()) continue;
+    RestoreStates();
+    return {status.code(),
+            "UpdateStates: the step leads out of what can be a state: " + status.message(), vertex};
+  }
   workspace_->updated = true;
   workspace_->solved = false;  // a step is applied once
   return {};

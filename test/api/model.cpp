@@ -138,7 +138,12 @@ std::string Model::CompareVertices(const Problem& problem) {
     const Place place = PlaceOf(problem, vertex.handle);
     const double* x = place.pool->Data(place.index);
     if (!SameBits(x, vertex.state.data(), vertex.state.size())) return name + " has another state";
-    if (!IsState(vertex.handle.type, x, vertex.state.size())) return name + " is no state";
+    if (!IsState(vertex.handle.type, x, vertex.state.size())) {
+      std::string text = name + " is no state:";
+      for (const double v : vertex.state)
+        text += " " + std::to_string(v);
+      return text;
+    }
     if (problem.GetFixed(vertex.handle) != vertex.fix) return name + " is held otherwise";
     if (place.pool->eliminated(place.index) != vertex.eliminated) {
       return name + " is eliminated otherwise";

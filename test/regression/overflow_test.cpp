@@ -21,6 +21,55 @@ EdgeSE3Prior PriorAt(double x) {
   return prior;
 }
 
+/// Hardly depends on the pose, and is large: what brings it to zero is out of reach.
+struct EdgeNearlyDeaf {
+  using Vertices = VertexList<VertexPose>;
+  static constexpr int kResidualDim = 6;
+  bool Evaluate(const VertexPose&, Vector<6>& r, Jacobian<6, 6>* d_r_d_pose) const {
+    r.setConstant(100.0);
+    if (d_r_d_pose != nullptr) *d_r_d_pose = 1e-153 * Jacobian<6, 6>::Identity();
+    return true;
+  }
+};
+
+TEST(Overflow, OfAStepThatIsAppliedIsAStatus) {
+  Problem problem;
+  const auto pose = problem.AddVertex(VertexPose()).value();
+  ASSERT_TRUE(problem.AddEdge(EdgeNearlyDeaf{}, {pose}).ok());
+  const Snapshot before = problem.GetSnapshot();
+  ASSERT_TRUE(problem.MakeHessian().ok());
+  ASSERT_TRUE(problem.SolveLinearSystem(0.0).ok());
+  const Status status = problem.UpdateStates();
+  EXPECT_EQ(status.code(), StatusCode::kNotFinite) << status.message();
+  EXPECT_EQ(status.vertex(), AnyVertex(pose));
+  EXPECT_EQ(problem.GetSnapshot().states, before.states);
+  EXPECT_FALSE(problem.RollbackStates().ok());
+}
+
+/// Where its variable is positive, derivatives that overflow as soon as a residual multiplies them.
+struct EdgeSteepBeyondZero {
+  using Vertices = VertexList<VertexVector<1>>;
+  static constexpr int kResidualDim = 2;
+  bool Evaluate(const VertexVector<1>& x, Vector2& r, Jacobian<2, 1>* d_r_d_x) const {
+    r << x.Data()[0] - 10.0, 100.0;
+    if (d_r_d_x != nullptr) *d_r_d_x << 1.0, (x.Data()[0] > 0.0 ? 1e307 : 0.0);
+    return true;
+  }
+};
+
+TEST(Overflow, OfTheGradientAfterAStepIsNoNumberOfAnIteration) {
+  Problem problem;
+  const auto x = problem.AddVertex(VertexVector<1>{}).value();
+  ASSERT_TRUE(problem.AddEdge(EdgeSteepBeyondZero{}, {x}).ok());
+  const SolveSummary& summary = problem.Solve();
+  EXPECT_EQ(summary.status.code(), StatusCode::kNotFinite);
+  EXPECT_EQ(summary.accepted_steps, 1);
+  for (const IterationSummary& iteration : summary.iterations) {
+    EXPECT_TRUE(std::isfinite(iteration.cost));
+    EXPECT_TRUE(std::isfinite(iteration.gradient_max));
+  }
+}
+
 TEST(Overflow, OfASumIsAStatus) {
   Graph graph;
   const auto pose = graph.AddVertex(VertexPose()).value();

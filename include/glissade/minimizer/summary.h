@@ -32,9 +32,10 @@ std::string_view ToString(Termination termination);
 struct IterationSummary {
   int iteration = 0;
   bool accepted = true;
-  double cost = 0.0;          ///< after this iteration, 1/2 sum rho [-]
-  double cost_change = 0.0;   ///< decrease that was tried; negative where rejected
-  double gradient_max = 0.0;  ///< max |g_i| at the present linearization
+  double cost = 0.0;         ///< after this iteration, 1/2 sum rho [-]
+  double cost_change = 0.0;  ///< decrease that was tried; negative where rejected
+  /// max |g_i| at the present linearization; 0 where the solve has failed because it is not finite.
+  double gradient_max = 0.0;
   double step_norm =
       0.0;  ///< |dx| over all variables, of mixed units: only the course's rule looks at it
   double gain_ratio = 0.0;    ///< actual over predicted decrease

@@ -83,9 +83,11 @@ class Problem : public Graph {
   // what was computed void.
   /// Linearizes at the present values: H = J'J, b = -J'r over all free variables.
   Status MakeHessian();
-  /// Solves (H + lambda D) dx = b by eliminating landmarks; D as in options.
+  /// Solves (H + lambda D) dx = b by eliminating landmarks; D as in options. kNotFinite where dx is
+  /// beyond what a double holds.
   Status SolveLinearSystem(double lambda, const SolveOptions& options = {});
-  /// x <- x boxplus dx, remembering x.
+  /// x <- x boxplus dx, remembering x. A step that leads to what is no state (numbers that
+  /// overflow) is refused, and names the vertex; the states are as before.
   Status UpdateStates();
   /// Back to x before the last UpdateStates().
   Status RollbackStates();
