@@ -141,7 +141,7 @@ std::string Model::CompareVertices(const Problem& problem) {
     if (!IsState(vertex.handle.type, x, vertex.state.size())) {
       std::string text = name + " is no state:";
       for (const double v : vertex.state)
-        text += " " + std::to_string(v);
+        text.append(" ").append(std::to_string(v));
       return text;
     }
     if (problem.GetFixed(vertex.handle) != vertex.fix) return name + " is held otherwise";
