@@ -62,7 +62,7 @@ bool CostFunctionEdge::Evaluate(std::span<const VertexRef> vertices, double* res
   double* next = ambient.data();
   for (std::size_t i = 0; i < n; ++i) {
     const VertexOps& ops = *vertices[i].ops;
-    double* own = IsAdditive(ops) ? jacobians[i] : next;
+    double* own = ops.additive ? jacobians[i] : next;
     blocks.data()[i] = jacobians[i] != nullptr ? own : nullptr;
     next += rows * ops.ambient_dim;
   }

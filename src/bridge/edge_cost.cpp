@@ -102,7 +102,7 @@ bool EdgeCost::Evaluate(const double* const* parameters, double* residuals,
   for (std::size_t i = 0; i < n; ++i) {
     const VertexOps& ops = *vertices_[i]->ops;
     const bool wanted = jacobians != nullptr && jacobians[i] != nullptr;
-    blocks.data()[i] = wanted ? (IsAdditive(ops) ? jacobians[i] : next) : nullptr;
+    blocks.data()[i] = wanted ? (ops.additive ? jacobians[i] : next) : nullptr;
     next += rows * static_cast<std::size_t>(ops.tangent_dim);
   }
   double* const* all = jacobians != nullptr ? blocks.data() : nullptr;

@@ -11,25 +11,13 @@
 #include <vector>
 
 #include "bridge/vertex_manifold.h"
-#include "glissade/vertices/camera_bal.h"
-#include "glissade/vertices/inverse_depth.h"
-#include "glissade/vertices/point_xyz.h"
 #include "glissade/vertices/pose.h"
-#include "glissade/vertices/speed_bias.h"
-#include "glissade/vertices/vector.h"
 
 namespace glissade::bridge {
 
 namespace {
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-constexpr int kLargestKnownVector = 32;
-
-template <int... N>
-bool IsVertexVector(const TypeInfo* type, std::integer_sequence<int, N...>) {
-  return ((type == &kTypeInfo<VertexVector<N + 1>>) || ...);
-}
 
 bool IsPose(const VertexOps& ops) {
   return ops.type == &kTypeInfo<VertexPose>;
@@ -92,15 +80,8 @@ void DifferentiatePlus(const VertexOps& ops, const double* x, int k, double* jac
 
 }  // namespace
 
-bool IsAdditive(const VertexOps& ops) {
-  const TypeInfo* type = ops.type;
-  return type == &kTypeInfo<VertexPointXYZ> || type == &kTypeInfo<VertexInverseDepth> ||
-         type == &kTypeInfo<VertexCameraBal> || type == &kTypeInfo<VertexSpeedBias> ||
-         IsVertexVector(type, std::make_integer_sequence<int, kLargestKnownVector>{});
-}
-
 void PlusJacobian(const VertexOps& ops, const double* x, double* jacobian) {
-  if (IsAdditive(ops)) {
+  if (ops.additive) {
     Identity(ops.tangent_dim, jacobian);
   } else if (IsPose(ops)) {
     Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> J(jacobian);
@@ -115,7 +96,7 @@ void PlusJacobian(const VertexOps& ops, const double* x, double* jacobian) {
 }
 
 void MinusJacobian(const VertexOps& ops, const double* x, double* jacobian) {
-  if (IsAdditive(ops)) {
+  if (ops.additive) {
     Identity(ops.tangent_dim, jacobian);
   } else if (IsPose(ops)) {
     Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>> J(jacobian);
@@ -131,7 +112,7 @@ void MinusJacobian(const VertexOps& ops, const double* x, double* jacobian) {
 }
 
 std::unique_ptr<ceres::Manifold> MakeManifold(const VertexOps& ops) {
-  if (IsAdditive(ops)) return nullptr;
+  if (ops.additive) return nullptr;
   return std::make_unique<VertexManifold>(ops);
 }
 

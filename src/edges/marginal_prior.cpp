@@ -11,12 +11,6 @@
 
 #include "glissade/base/out_of_memory.h"
 #include "glissade/base/validate.h"
-#include "glissade/lie/so3.h"
-#include "glissade/vertices/camera_bal.h"
-#include "glissade/vertices/inverse_depth.h"
-#include "glissade/vertices/point_xyz.h"
-#include "glissade/vertices/pose.h"
-#include "glissade/vertices/speed_bias.h"
 #include "kernels/kernels.h"
 
 namespace glissade {
@@ -38,36 +32,31 @@ double* Scratch(std::size_t n) {
 
 namespace internal {
 
-bool IsAdditive(const VertexOps& ops) {
-  return ops.type == &kTypeInfo<VertexSpeedBias> || ops.type == &kTypeInfo<VertexInverseDepth> ||
-         ops.type == &kTypeInfo<VertexPointXYZ> || ops.type == &kTypeInfo<VertexCameraBal>;
-}
-
 void MinusJacobian(const VertexOps& ops, const double* x, const double* x0, double* out) {
+  if (ops.minus_jacobian != nullptr) return ops.minus_jacobian(x, x0, out);
   const int n = ops.tangent_dim;
   Eigen::Map<RowMajor> D(out, n, n);
   D.setIdentity();
-  if (IsAdditive(ops)) return;
-  if (ops.type == &kTypeInfo<VertexPose>) {
-    double delta[6];
-    ops.minus(x, x0, delta);
-    D.bottomRightCorner<3, 3>() = so3::JrInverse(Vector3(delta[3], delta[4], delta[5]));
-    return;
-  }
+  if (ops.additive) return;
   constexpr double kStep = 1e-3;
   constexpr std::pair<double, double> kStencil[] = {
       {-2.0, 1.0 / 12}, {-1.0, -2.0 / 3}, {1.0, 2.0 / 3}, {2.0, -1.0 / 12}};
-  Eigen::VectorXd step(n), moved(ops.ambient_dim), value(n), sum(n);
+  thread_local std::vector<double> scratch;  // grows to the largest type once
+  if (scratch.size() < static_cast<std::size_t>(2 * n + ops.ambient_dim)) {
+    scratch.resize(static_cast<std::size_t>(2 * n + ops.ambient_dim));
+  }
+  double *const step = scratch.data(), *const value = step + n, *const moved = value + n;
+  std::fill_n(step, n, 0.0);
   for (int c = 0; c < n; ++c) {
-    sum.setZero();
+    D.col(c).setZero();
     for (const auto& [at, weight] : kStencil) {
-      step.setZero();
       step[c] = at * kStep;
-      ops.plus(x, step.data(), moved.data());
-      ops.minus(moved.data(), x0, value.data());
-      sum += weight * value;
+      ops.plus(x, step, moved);
+      ops.minus(moved, x0, value);
+      D.col(c) += weight * Eigen::Map<const Eigen::VectorXd>(value, n);
     }
-    D.col(c) = sum / kStep;
+    D.col(c) /= kStep;
+    step[c] = 0.0;
   }
 }
 

@@ -29,7 +29,7 @@ void GaugeBreaches::Gather(const EdgePoolBase& pool, int edge) {
   const bool at_first = graph_.first_estimates() == FirstEstimates::kFull;
   for (int i = 0; i < arity; ++i) {
     const VertexPoolBase& vertices = *pool.vertex_pool(edge, i);
-    const int index = vertices.slots().IndexOf(pool.vertex_address(edge, i).slot);
+    const int index = vertices.slots().IndexOf(pool.vertex_slot(edge, i));
     Vertex& vertex = vertices_[Index(i)];
     vertex.dim = vertices.ops().tangent_dim;
     vertex.moves = orbit_.Moves(vertices.HandleAt(index));
@@ -43,9 +43,8 @@ void GaugeBreaches::Gather(const EdgePoolBase& pool, int edge) {
       orbit_.Directions(vertices.HandleAt(index), gauge_state, vertex.U);
       if (at_first && gauge_state != state) {
         // Of speed and biases only the speed is taken back.
-        const int ambient = vertices.ops().ambient_dim;
-        std::copy_n(state, ambient, vertex.state);
-        std::copy_n(gauge_state, std::min(ambient, ambient == 9 ? 3 : 7), vertex.state);
+        std::copy_n(state, vertices.ops().ambient_dim, vertex.state);
+        std::copy_n(gauge_state, vertices.ops().first_estimate_size, vertex.state);
         state = vertex.state;
       }
     }

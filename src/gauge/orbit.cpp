@@ -3,14 +3,12 @@
 #include "glissade/gauge/orbit.h"
 
 #include <algorithm>
-#include <string_view>
 
-#include "glissade/cameras/kannala_brandt.h"
-#include "glissade/cameras/pinhole.h"
-#include "glissade/cameras/radtan.h"
-#include "glissade/edges/reprojection_time_offset.h"
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/lie/so3.h"
+#include "glissade/vertices/inverse_depth.h"
+#include "glissade/vertices/point_xyz.h"
+#include "glissade/vertices/pose.h"
+#include "glissade/vertices/speed_bias.h"
 
 namespace glissade {
 
@@ -19,54 +17,31 @@ namespace {
 using RowMajor3 = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
 using Block = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
-constexpr int kExtrinsicPosition = 3;
-
-/// Edge types whose vertex 3 is an extrinsic; with any camera model, so by their names.
-bool HasExtrinsicVertex(const TypeInfo& type) {
-  return type.name.starts_with("EdgeReprojectionExtrinsic") ||
-         type.name.starts_with("EdgeReprojectionCalibration");
-}
-
-/// Residuals that one camera alone makes: blind to scale.
-bool IsMonocular(const TypeInfo& type) {
-  return type.name.starts_with("EdgeReprojection") &&
-         !type.name.starts_with("EdgeReprojectionStereo");
-}
-
-/// What says nothing about how many cameras there are.
-bool IsPrior(const TypeInfo& type) {
-  return &type == &kTypeInfo<EdgeSE3Prior> || &type == &kTypeInfo<EdgePosePriorVec> ||
-         &type == &kTypeInfo<EdgeSpeedBiasPrior> || &type == &kTypeInfo<DynamicEdge>;
-}
-
-/// p_B_C of all cameras, as far as edges of known type tell; false if there are two.
+/// p_B_C of all cameras.
 class LeverSearch {
  public:
-  bool Add(const double* p) {
-    if (found_) return std::equal(p, p + 3, lever_);
+  void Add(const double* p) {
+    if (!found_) std::copy_n(p, 3, lever_);
+    one_ = one_ && std::equal(p, p + 3, lever_);
     found_ = true;
-    std::copy_n(p, 3, lever_);
-    return true;
   }
-  template <class E>
-  bool AddAll(const Graph& graph) {
-    bool one = true;
-    graph.ForEachEdge<E>([&](EdgeHandle<E>, const E& edge) { one = one && Add(edge.T_b_c.data); });
-    return one;
-  }
-  /// Edges that carry their extrinsic, through one camera model.
-  template <class Camera>
-  bool AddAllOf(const Graph& graph) {
-    return AddAll<EdgeReprojectionOf<Camera>>(graph) &&
-           AddAll<EdgeReprojectionXYZOf<Camera>>(graph) &&
-           AddAll<EdgeReprojectionTimeOffsetOf<Camera>>(graph);
-  }
+  [[nodiscard]] bool one() const { return one_; }
   void Write(double* lever) const { std::copy_n(lever_, 3, lever); }
 
  private:
-  bool found_ = false;
+  bool found_ = false, one_ = true;
   double lever_[3] = {0, 0, 0};
 };
+
+/// Adds the cameras that the edges of a pool carry.
+void AddLevers(const EdgePoolBase& pool, LeverSearch* levers) {
+  const double body[3] = {0, 0, 0};
+  for (int edge = 0; edge < pool.size() && levers->one(); ++edge) {
+    if (!pool.Alive(edge)) continue;
+    const double* extrinsic = pool.Extrinsic(edge);
+    levers->Add(extrinsic != nullptr ? extrinsic : body);
+  }
+}
 
 }  // namespace
 
@@ -82,28 +57,31 @@ Result<Orbit> Orbit::Of(const Graph& graph, GaugeGroup group) {
   bool monocular = true;
   for (const auto& pool : graph.edge_pools()) {
     if (pool->slots().NumAlive() == 0) continue;
-    monocular = monocular && (IsPrior(*pool->type()) || IsMonocular(*pool->type()));
-    if (!HasExtrinsicVertex(*pool->type())) continue;
+    const EdgeTraits& traits = pool->traits();
+    monocular = monocular && traits.scale_rule != ScaleRule::kMetric;
+    if (traits.extrinsic_vertex < 0) continue;
     for (int edge = 0; edge < pool->size(); ++edge) {
       if (!pool->Alive(edge)) continue;
-      const AnyVertex vertex = pool->VertexOf(edge, kExtrinsicPosition);
+      const AnyVertex vertex = pool->VertexOf(edge, traits.extrinsic_vertex);
       const auto& known = orbit.extrinsics_;
       if (std::find(known.begin(), known.end(), vertex) != known.end()) continue;
       orbit.extrinsics_.push_back(vertex);
-      const auto address = pool->vertex_address(edge, kExtrinsicPosition);
-      const VertexPoolBase* poses = pool->vertex_pool(edge, kExtrinsicPosition);
-      monocular = levers.Add(poses->Data(poses->slots().IndexOf(address.slot))) && monocular;
+      const VertexPoolBase* poses = pool->vertex_pool(edge, traits.extrinsic_vertex);
+      levers.Add(poses->Data(poses->slots().IndexOf(vertex.slot)));
     }
   }
   if (group == GaugeGroup::kAuto && graph.NumVertices<VertexSpeedBias>() > 0) {
     group = GaugeGroup::kVisualInertial;
   }
   if (group == GaugeGroup::kAuto || group == GaugeGroup::kMono) {
-    const bool one_lever =
-        levers.AddAllOf<CameraIdentity>(graph) && levers.AddAllOf<CameraPinhole>(graph) &&
-        levers.AddAllOf<CameraRadtan>(graph) && levers.AddAllOf<CameraKannalaBrandt>(graph);
+    for (const auto& pool : graph.edge_pools()) {
+      const EdgeTraits& traits = pool->traits();
+      if (traits.scale_rule == ScaleRule::kRays && traits.extrinsic_vertex < 0) {
+        AddLevers(*pool, &levers);
+      }
+    }
     if (group == GaugeGroup::kAuto) {
-      group = monocular && one_lever ? GaugeGroup::kMono : GaugeGroup::kStereo;
+      group = monocular && levers.one() ? GaugeGroup::kMono : GaugeGroup::kStereo;
     }
     if (group == GaugeGroup::kMono) levers.Write(orbit.lever_);
   }

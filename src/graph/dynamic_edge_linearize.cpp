@@ -107,7 +107,7 @@ bool DynamicEdgePool::LinearizeMoved(const Entry& item, const std::int32_t* word
   std::size_t first = 0;
   for (const VertexRef& ref : item.refs) {
     const auto dim = static_cast<std::size_t>(ref.ops->tangent_dim);
-    if (!internal::IsAdditive(*ref.ops)) {
+    if (!ref.ops->additive) {
       internal::MinusJacobian(*ref.ops, ref.data, x0, D);
       // x <- D'x for a part of the gradient, or of a row or column of H.
       const auto turn = [&](double* x, std::size_t stride) {

@@ -11,13 +11,12 @@ namespace glissade {
 
 namespace {
 
-/// One push_back() will not allocate.
-template <class T>
-void MakeRoom(std::vector<T>* v) {
-  if (v->size() == v->capacity()) v->reserve(2 * v->size() + 1);
-}
+/// What a dynamic edge says of scale is not asked: as a rule it is a prior.
+constexpr EdgeTraits kDynamicTraits{.scale_rule = ScaleRule::kPrior};
 
 }  // namespace
+
+DynamicEdgePool::DynamicEdgePool() : EdgePoolBase(&kTypeInfo<DynamicEdge>, kDynamicTraits, 0) {}
 
 EdgeHandle<DynamicEdge> DynamicEdgePool::Add(std::unique_ptr<DynamicEdge> edge,
                                              std::span<const Vertex> vertices, const Loss& loss,
@@ -32,23 +31,35 @@ EdgeHandle<DynamicEdge> DynamicEdgePool::Add(std::unique_ptr<DynamicEdge> edge,
   item.vertices.assign(vertices.begin(), vertices.end());
   PrepareItem(&item);
   const std::uint32_t loss_index = FindOrAddLoss(loss);
-  MakeRoom(&items_);
-  MakeRoom(&loss_of_edge_);
-  MakeRoom(&spare_);  // for TakeBack()
+  internal::MakeRoomIn(&items_);
+  internal::MakeRoomIn(&loss_of_edge_);
+  internal::MakeRoomIn(&spare_);  // for TakeBack()
+  for (const Vertex& vertex : vertices)
+    lists_.MakeRoom(lists_.ColumnOf(vertex.pool), vertex.slot);
+  lists_.MakeRoomForLinks(vertices.size());
   const auto address = slots_.Add(stamp, graph);
   items_.push_back(std::move(item));
   loss_of_edge_.push_back(loss_index);
+  Link(size() - 1);
   return {address.slot, address.generation, graph};
 }
 
 bool DynamicEdgePool::TakeBack(EdgeHandle<DynamicEdge> edge) {
   if (!slots_.Contains(edge) || !slots_.IsLast(edge.slot)) return false;
   slots_.PopLast();
+  const std::vector<Vertex>& vertices = items_.back().vertices;
+  for (std::size_t i = vertices.size(); i-- > 0;)
+    lists_.TakeBack(lists_.ColumnOf(vertices[i].pool), vertices[i].slot);
   items_.back().edge.reset();
   spare_.push_back(std::move(items_.back()));
   items_.pop_back();
   loss_of_edge_.pop_back();
   return true;
+}
+
+void DynamicEdgePool::Link(int edge) {
+  for (const Vertex& vertex : EntryAt(edge).vertices)
+    lists_.Append(lists_.ColumnOf(vertex.pool), vertex.slot, edge);
 }
 
 void DynamicEdgePool::PrepareItem(Entry* item) const {
@@ -74,7 +85,7 @@ void DynamicEdgePool::Prepare() {
 void DynamicEdgePool::FillRefs(const Entry& item) const {
   for (std::size_t i = 0; i < item.vertices.size(); ++i) {
     VertexPoolBase* pool = item.vertices[i].pool;
-    item.refs[i] = {&pool->ops(), pool->Data(pool->slots().IndexOf(item.vertices[i].address.slot))};
+    item.refs[i] = {&pool->ops(), pool->Data(pool->slots().IndexOf(item.vertices[i].slot))};
   }
 }
 
@@ -87,7 +98,7 @@ void DynamicEdgePool::SetRefs(const Entry& item, const std::int32_t* words) cons
 void DynamicEdgePool::AllDenseIndices(std::int32_t* indices) const {
   for (const Entry& item : items_) {
     for (const Vertex& vertex : item.vertices) {
-      *indices++ = vertex.pool->slots().IndexOf(vertex.address.slot);
+      *indices++ = vertex.pool->slots().IndexOf(vertex.slot);
     }
   }
 }
@@ -118,7 +129,7 @@ double DynamicEdgePool::Chi2(int edge) const {
   std::vector<VertexRef> refs(item.vertices.size());
   for (std::size_t i = 0; i < refs.size(); ++i) {
     VertexPoolBase* pool = item.vertices[i].pool;
-    refs[i] = {&pool->ops(), pool->Data(pool->slots().IndexOf(item.vertices[i].address.slot))};
+    refs[i] = {&pool->ops(), pool->Data(pool->slots().IndexOf(item.vertices[i].slot))};
   }
   double s = 0.0;
   if (item.edge->ConstantHessian() != nullptr) {
@@ -135,9 +146,7 @@ double DynamicEdgePool::Chi2(int edge) const {
 }
 
 void DynamicEdgePool::Compact() {
-  for (int edge = 0; edge < size(); ++edge) {
-    if (slots_.AliveAt(edge) && !Alive(edge)) slots_.Remove(slots_.SlotOf(edge));
-  }
+  if (slots_.NumAlive() == size()) return;
   slots_.Compact([this](int from, int to) {
     const auto f = static_cast<std::size_t>(from), t = static_cast<std::size_t>(to);
     std::swap(items_[t], items_[f]);
@@ -149,6 +158,9 @@ void DynamicEdgePool::Compact() {
     items_.pop_back();
   }
   loss_of_edge_.resize(static_cast<std::size_t>(slots_.Size()));
+  lists_.Clear();
+  for (int edge = 0; edge < size(); ++edge)
+    Link(edge);
 }
 
 std::unique_ptr<EdgePoolBase> DynamicEdgePool::Clone(
@@ -157,6 +169,8 @@ std::unique_ptr<EdgePoolBase> DynamicEdgePool::Clone(
   copy->slots_ = slots_;
   copy->losses_ = losses_;
   copy->loss_of_edge_ = loss_of_edge_;
+  copy->lists_ = lists_;
+  copy->lists_.Rebind(vertex_pools);
   copy->items_.resize(items_.size());
   for (std::size_t k = 0; k < items_.size(); ++k) {
     Entry& item = copy->items_[k];

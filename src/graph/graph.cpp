@@ -27,12 +27,6 @@ Status About(const Status& status, std::string_view subject) {
 
 namespace {
 
-/// Only ever compared for equality, so that nothing depends on how many graphs there were before.
-std::uint64_t NewIdentity() {
-  static std::atomic<std::uint64_t> last{0};
-  return ++last;
-}
-
 /// By the oldest element; stable, in place (there are a handful of pools).
 template <class Pool>
 void SortByAge(std::vector<std::unique_ptr<Pool>>* pools) {
@@ -48,6 +42,12 @@ void SortByAge(std::vector<std::unique_ptr<Pool>>* pools) {
 }  // namespace
 
 Graph::Graph() : identity_(NewIdentity()) {}
+
+// Only ever compared for equality, so that nothing depends on how many graphs there were before.
+std::uint64_t Graph::NewIdentity() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
 
 // One for every graph that something is added to: as for versions, none depends on its value.
 std::uint32_t Graph::NewId() {
@@ -150,7 +150,7 @@ Status Graph::CheckDynamicEdge(const DynamicEdge* edge, std::span<const AnyVerte
   for (const AnyVertex& vertex : vertices) {
     const VertexSite site = Locate(vertex);
     added_ops_.push_back(&site.pool->ops());
-    added_vertices_.push_back({site.pool, {vertex.slot, vertex.generation}});
+    added_vertices_.push_back({site.pool, vertex.slot});
   }
   if (Status status = edge->CheckVertices(added_ops_); !status.ok()) {
     return internal::About(status, "dynamic edge");
@@ -189,7 +189,7 @@ Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge
   try {
     EnterFirstEstimates(stays, vertices);
   } catch (...) {  // out of memory: all or nothing
-    pool->Remove(handle.slot);
+    pool->TakeBack(handle);
     DropOrphanedFirstEstimates();
     throw;
   }
@@ -215,7 +215,8 @@ Status Graph::RemoveVertexChecked(AnyVertex vertex, PriorOnVertex on_prior) {
   }
   DropFreeTangent(vertex);
   DropGaugeReference(vertex);
-  // Connected edges are dead from here on (EdgePoolBase::Alive) and go at the next Compact().
+  for (const auto& pool : edge_pools_)
+    pool->RemoveEdgesAt(*site.pool, vertex.slot);
   site.pool->Remove(vertex.slot);
   if (prior) DropOrphanedFirstEstimates();
   StructureChanged();
@@ -301,17 +302,22 @@ Status Graph::CheckEliminated(const VertexSite& site, AnyVertex vertex) const {
             "SetEliminated: " + ToString(vertex) + " has more than 4 tangent dimensions", vertex};
   }
   if (site.pool->eliminated(site.index)) return {};
-  const Result<std::vector<AnyEdge>> edges = EdgesOf(vertex);
-  for (const AnyEdge& edge : edges.value()) {
-    const Result<std::vector<AnyVertex>> vertices = VerticesOf(edge);
-    for (const AnyVertex& other : vertices.value()) {
-      const VertexSite other_site = Locate(other);
-      if (other == vertex || !other_site.pool->eliminated(other_site.index)) continue;
-      return {StatusCode::kEliminatedPair,
-              "SetEliminated: " + ToString(edge) + " joins " + ToString(vertex) +
-                  " to the eliminated " + ToString(other),
-              edge};
-    }
+  for (const auto& pool : edge_pools_) {
+    AnyEdge joins;
+    AnyVertex other;
+    pool->ForEachEdgeAt(*site.pool, vertex.slot, [&](int edge) {  // the oldest comes last
+      for (int i = pool->arity(edge); i-- > 0;) {
+        const VertexPoolBase& vertices = *pool->vertex_pool(edge, i);
+        if (!vertices.eliminated(vertices.slots().IndexOf(pool->vertex_slot(edge, i)))) continue;
+        joins = pool->HandleAt(edge);
+        other = pool->VertexOf(edge, i);
+      }
+    });
+    if (!joins) continue;
+    return {StatusCode::kEliminatedPair,
+            "SetEliminated: " + ToString(joins) + " joins " + ToString(vertex) +
+                " to the eliminated " + ToString(other),
+            joins};
   }
   return {};
 }
@@ -355,17 +361,10 @@ Status Graph::SetLoss(AnyEdge edge, const Loss& loss) {
 }
 
 void Graph::Compact() {
-  const auto has_gaps = [](const auto& pool) {
-    return pool->slots().NumAlive() != pool->slots().Size();
-  };
-  // Edges die with their vertices: looking for them edge by edge is worth it only if any did.
-  if (std::any_of(vertex_pools_.begin(), vertex_pools_.end(), has_gaps) ||
-      std::any_of(edge_pools_.begin(), edge_pools_.end(), has_gaps)) {
-    for (const auto& pool : edge_pools_)
-      pool->Compact();
-    for (const auto& pool : vertex_pools_)
-      pool->Compact();
-  }
+  for (const auto& pool : edge_pools_)
+    pool->Compact();
+  for (const auto& pool : vertex_pools_)
+    pool->Compact();
   SortByAge(&edge_pools_);
   SortByAge(&vertex_pools_);
   for (std::size_t k = 0; k < vertex_pools_.size(); ++k)

@@ -25,7 +25,7 @@ Status Graph::BeginHold(std::span<const FreeTangent> holds, std::unique_ptr<Dyna
       hold_.held.push_back(what(hold));
     hold_.edge_vertices.assign(edge_vertices.begin(), edge_vertices.end());
     hold_.edge_rows = rows;
-    hold_.identity = Graph().identity_;  // one that no graph has
+    hold_.identity = NewIdentity();  // one that no graph has
   }
   // All that can fail or run out of memory, also what EndHold() needs, comes before the first
   // change.

@@ -42,7 +42,10 @@ int Graph::NumVertices() const {
 }
 
 int Graph::NumEdges() const {
-  return static_cast<int>(Edges().size());
+  int count = 0;
+  for (const auto& pool : edge_pools_)
+    count += pool->slots().NumAlive();
+  return count;
 }
 
 std::vector<AnyVertex> Graph::Vertices() const {
@@ -74,18 +77,26 @@ Result<std::vector<AnyVertex>> Graph::VerticesOf(AnyEdge edge) const {
 }
 
 Result<std::vector<AnyEdge>> Graph::EdgesOf(AnyVertex vertex) const {
-  if (!Contains(vertex)) return UnknownHandle(vertex);
-  std::vector<AnyEdge> edges;
-  (void)ForEachLiveEdge(edge_pools_, [&](const EdgePoolBase& pool, int edge) {
-    for (int i = 0; i < pool.arity(edge); ++i) {
-      if (pool.VertexOf(edge, i) == vertex) {
-        edges.push_back(pool.HandleAt(edge));
-        break;
-      }
-    }
-    return Status();
-  });
+  const Result<int> count = NumEdgesOf(vertex);
+  if (!count.ok()) return count.status();
+  const VertexPoolBase& vertices = *Locate(vertex).pool;
+  std::vector<AnyEdge> edges(static_cast<std::size_t>(*count));
+  auto end = edges.begin();
+  for (const auto& pool : edge_pools_) {
+    const auto begin = end;
+    pool->ForEachEdgeAt(vertices, vertex.slot, [&](int edge) { *end++ = pool->HandleAt(edge); });
+    std::reverse(begin, end);
+  }
   return edges;
+}
+
+Result<int> Graph::NumEdgesOf(AnyVertex vertex) const {
+  const VertexSite site = Locate(vertex);
+  if (site.pool == nullptr) return UnknownHandle(vertex);
+  int count = 0;
+  for (const auto& pool : edge_pools_)
+    pool->ForEachEdgeAt(*site.pool, vertex.slot, [&](int) { ++count; });
+  return count;
 }
 
 Result<double> Graph::Chi2(AnyEdge edge) const {

@@ -55,11 +55,7 @@ Status Graph::ReadyToSolve() const {
                            "refused before this solve, and not acknowledged since "
                            "(AcknowledgeRefusal)");
   }
-  for (const auto& pool : edge_pools_) {
-    for (int edge = 0; edge < pool->size(); ++edge) {
-      if (pool->Alive(edge)) return {};
-    }
-  }
+  if (NumEdges() > 0) return {};
   return {StatusCode::kNothingToSolve,
           NumVertices() == 0 ? "the graph is empty" : "the graph has no edges"};
 }

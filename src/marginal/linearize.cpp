@@ -47,8 +47,8 @@ void Robustify(const Loss& loss, int rows, int dims, double* r, double* J, int s
 /// Whether the edge's Jacobian with respect to vertex i was taken at x_lin.
 bool TakenAtFirstEstimate(const EdgePoolBase& pool, int i, const VertexOps& ops) {
   if (ops.first_estimate_size == 0) return false;
-  if (pool.first_estimate_rule() != FirstEstimateRule::kWhole) return i < 2;
-  return i >= kMaxTypedArity || (pool.no_first_estimate() >> i & 1u) == 0;
+  if (pool.traits().first_estimate_rule != FirstEstimateRule::kWhole) return i < 2;
+  return i >= kMaxTypedArity || (pool.traits().no_first_estimate >> i & 1u) == 0;
 }
 
 }  // namespace
@@ -152,7 +152,7 @@ void MarginalSystem::SubtractDelta(const MarginalVariable& variable, int rows, c
 
 void MarginalSystem::MoveToOrigin(const MarginalVariable& variable, int rows, double* J) {
   const VertexOps& ops = variable.pool->ops();
-  if (!variable.moved || IsAdditive(ops)) return;
+  if (!variable.moved || ops.additive) return;
   if (ops.type == &kTypeInfo<VertexPose>) {
     const double* delta = deltas_.data() + variable.delta + 3;
     const Matrix3 D = so3::Jr(Vector3(delta[0], delta[1], delta[2]));

@@ -30,8 +30,8 @@ Status MarginalSystem::Build(const Graph& graph, std::span<const AnyVertex> vert
   if (Status status = MarkGoing(graph, vertices); !status.ok()) return status;
   if (Status status = CollectEdges(graph, options, report); !status.ok()) return status;
   Classify(graph);
-  SetPoints(graph);
-  OrderVariables(graph);
+  SetPoints();
+  OrderVariables();
   SortEdges();
   report->eliminated_landmarks = num_landmarks();
   report->marginalized_dim = going_dim_;
@@ -169,7 +169,7 @@ void MarginalSystem::Classify(const Graph& graph) {
   }
 }
 
-void MarginalSystem::SetPoints(const Graph&) {
+void MarginalSystem::SetPoints() {
   deltas_.clear();
   for (MarginalVariable& v : variables_) {
     const VertexOps& ops = v.pool->ops();
@@ -188,7 +188,7 @@ void MarginalSystem::SetPoints(const Graph&) {
 
 // Columns of one pose and what goes with it (speed and biases) side by side, oldest first: the
 // vertices that will go next are then the first columns, and the triangle of this prior stays one.
-void MarginalSystem::OrderVariables(const Graph& graph) {
+void MarginalSystem::OrderVariables() {
   dense_order_.clear();
   for (std::size_t k = 0; k < variables_.size(); ++k) {
     if (variables_[k].kind == Kind::kGoes || variables_[k].kind == Kind::kStays) {
@@ -219,7 +219,6 @@ void MarginalSystem::OrderVariables(const Graph& graph) {
     v.column = going_dim_ + staying_dim_;
     (v.kind == Kind::kGoes ? going_dim_ : staying_dim_) += v.dim;
   }
-  static_cast<void>(graph);
 }
 
 void MarginalSystem::SortEdges() {

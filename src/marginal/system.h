@@ -103,9 +103,9 @@ class MarginalSystem {
   Status CollectEdges(const Graph& graph, const MarginalizeOptions& options,
                       MarginalReport* report);
   void Classify(const Graph& graph);
-  void OrderVariables(const Graph& graph);
+  void OrderVariables();
   void SortEdges();
-  void SetPoints(const Graph& graph);
+  void SetPoints();
   std::int32_t FindOrAdd(VertexPoolBase* pool, std::int32_t index);
   void LayOutPanel(std::span<const MarginalEdge> edges, RowPanel* panel);
   bool LinearizeEdge(const MarginalEdge& edge, double* rows, const RowPanel& panel);

@@ -264,7 +264,12 @@ void ApiWalk::SetFirstEstimate() {
                                        FirstEstimates::kFull};
   if (random_.Chance(0.4)) {
     log_.emplace_back("SetFirstEstimates");
-    return now_->problem.SetFirstEstimates(kModes[random_.Int(3)]);
+    const bool is_one = random_.Chance(0.8);
+    const auto mode =
+        is_one ? kModes[random_.Int(3)] : static_cast<FirstEstimates>(3 + random_.Int(9));
+    Begin();
+    static_cast<void>(End(now_->problem.SetFirstEstimates(mode), AcceptedIf(is_one)));
+    return;
   }
   const AnyVertex vertex = PickVertex();
   log_.push_back("SetFirstEstimate " + ToString(vertex));

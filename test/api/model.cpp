@@ -158,6 +158,21 @@ std::string Model::CompareVertices(const Problem& problem) {
   return {};
 }
 
+template <class E>
+std::string Model::CompareTyped(const Problem& problem) {
+  std::string what;
+  int count = 0;
+  problem.ForEachEdge<E>([&](EdgeHandle<E> handle, const E&, const EdgeVertexHandles<E>& vertices) {
+    ++count;
+    const auto on = std::apply(
+        [](const auto&... v) { return std::vector<AnyVertex>{AnyVertex(v)...}; }, vertices);
+    const Edge* edge = Find(AnyEdge(handle));
+    if (edge == nullptr || edge->vertices != on) what = "ForEachEdge: " + ToString(handle);
+  });
+  if (count != problem.NumEdges<E>()) what = "number of edges of a type";
+  return what;
+}
+
 std::string Model::CompareEdges(const Problem& problem) {
   std::vector<AnyEdge> handles;
   for (const Edge& edge : edges) {
@@ -173,6 +188,11 @@ std::string Model::CompareEdges(const Problem& problem) {
     if (depth.ok() && !std::isfinite(*depth)) return ToString(edge.handle) + ": depth not finite";
   }
   if (ByType(problem.Edges()) != ByType(handles)) return "other edges, or another order";
+  for (const std::string& what :
+       {CompareTyped<EdgeReprojection>(problem), CompareTyped<EdgeReprojectionXYZ>(problem),
+        CompareTyped<EdgeRelativePose>(problem), CompareTyped<EdgeSpeedBiasPrior>(problem)}) {
+    if (!what.empty()) return what;
+  }
   for (const Vertex& vertex : vertices) {
     std::vector<AnyEdge> expected;
     for (const Edge& edge : edges) {
@@ -183,6 +203,9 @@ std::string Model::CompareEdges(const Problem& problem) {
     const auto found = problem.EdgesOf(vertex.handle);
     if (!found.ok() || ByType(found.value()) != ByType(expected)) {
       return ToString(vertex.handle) + " has other edges";
+    }
+    if (problem.NumEdgesOf(vertex.handle).value() != static_cast<int>(expected.size())) {
+      return ToString(vertex.handle) + " has another number of edges";
     }
   }
   return {};

@@ -55,6 +55,8 @@ class Model {
  private:
   [[nodiscard]] std::string CompareVertices(const Problem& problem);
   [[nodiscard]] std::string CompareEdges(const Problem& problem);
+  template <class E>
+  [[nodiscard]] std::string CompareTyped(const Problem& problem);
   void DropOrphans();
 };
 

@@ -6,13 +6,7 @@
 file(REMOVE_RECURSE "${WORK_DIR}")
 string(REPLACE "|" ";" ARGUMENTS "${ARGUMENTS}")
 
-function(step)
-  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result)
-  if(result)
-    list(JOIN ARGV " " command)
-    message(FATAL_ERROR "failed (${result}): ${command}")
-  endif()
-endfunction()
+include("${CMAKE_CURRENT_LIST_DIR}/../common/step.cmake")
 
 # No launcher: the time of the compiler is what is printed, not that of a cache.
 unset(ENV{CMAKE_CXX_COMPILER_LAUNCHER})

@@ -5,13 +5,7 @@
 # CXX, and runs every example.
 file(REMOVE_RECURSE "${WORK_DIR}")
 
-function(step)
-  execute_process(COMMAND ${ARGV} RESULT_VARIABLE result)
-  if(result)
-    list(JOIN ARGV " " command)
-    message(FATAL_ERROR "failed (${result}): ${command}")
-  endif()
-endfunction()
+include("${CMAKE_CURRENT_LIST_DIR}/../common/step.cmake")
 
 unset(ENV{CXXFLAGS})
 step("${CMAKE_COMMAND}" -S "${SOURCE_DIR}" -B "${WORK_DIR}" "-DCMAKE_PREFIX_PATH=${PREFIX}"

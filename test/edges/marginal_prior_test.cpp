@@ -96,6 +96,27 @@ RowMajor AllJacobians(const EdgeMarginalPrior& edge, const std::vector<double>& 
   return J;
 }
 
+// Vectors were differentiated by differences, as types that the library does not know.
+TEST(MarginalPrior, TheDerivativeOfAVectorIsTheIdentityToTheBit) {
+  const double x[3] = {0.1, 1e6, -0.3}, x0[3] = {3.0, -7.0, 1e-3};
+  double D[9];
+  internal::MinusJacobian(kVertexOps<VertexVector<3>>, x, x0, D);
+  for (int k = 0; k < 9; ++k)
+    EXPECT_EQ(D[k], k % 4 == 0 ? 1.0 : 0.0);
+}
+
+TEST(MarginalPrior, TheDerivativeOfAPoseIsItsDifferences) {
+  test::Random random(5);
+  const VertexPose x{random.RandomPose(1.0)}, x0{random.RandomPose(1.0)};
+  VertexOps unknown = kVertexOps<VertexPose>;
+  unknown.minus_jacobian = nullptr;
+  double D[36], differences[36];
+  internal::MinusJacobian(kVertexOps<VertexPose>, x.Data(), x0.Data(), D);
+  internal::MinusJacobian(unknown, x.Data(), x0.Data(), differences);
+  for (int k = 0; k < 36; ++k)
+    EXPECT_NEAR(D[k], differences[k], 1e-9);
+}
+
 TEST(MarginalPrior, JacobiansAreThoseOfTheResidual) {
   test::Random random(11);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {

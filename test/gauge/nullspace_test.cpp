@@ -85,43 +85,40 @@ TEST(Nullspace, IsExactAtAnyState) {
   }
 }
 
-// The lever arm of a camera was looked for in edges on normalized coordinates only: with pixels,
-// the body's origin was scaled instead of the camera's centre.
-TEST(Nullspace, ScaleIsAboutTheCameraOfAnyModel) {
-  using EdgePinhole = EdgeReprojectionOf<CameraPinhole>;
+/// A camera model that the library does not know.
+struct OwnCamera : CameraPinhole {
+  friend bool operator==(const OwnCamera&, const OwnCamera&) = default;
+};
+
+/// An observation that it does not know either: of what it needs, it says that it is rays.
+struct OwnReprojection : EdgeReprojectionOf<CameraPinhole> {};
+
+/// The scene's observations through E, with pixels.
+template <class E>
+void ExpectScaleIsAboutTheCamera() {
   GaugeScene scene(1, Options(GaugeGroup::kMono, true));
   Problem& problem = scene.problem;
   struct Observation {
     EdgeReprojection edge;
-    EdgeVertexHandles<EdgePinhole> vertices;
+    EdgeVertexHandles<EdgeReprojection> vertices;
   };
   std::vector<Observation> observations;
   std::vector<AnyEdge> old;
-  const auto find = [&]<class V>(AnyVertex vertex, VertexHandle<V>* out) {
-    problem.ForEachVertex<V>([&](VertexHandle<V> handle, const V&) {
-      if (AnyVertex(handle) == vertex) *out = handle;
-    });
-  };
-  problem.ForEachEdge<EdgeReprojection>([&](auto handle, const EdgeReprojection& edge) {
-    const std::vector<AnyVertex> v = problem.VerticesOf(handle).value();
-    Observation o{edge, {}};
-    find(v[0], &std::get<0>(o.vertices));
-    find(v[1], &std::get<1>(o.vertices));
-    find(v[2], &std::get<2>(o.vertices));
-    observations.push_back(o);
-    old.push_back(handle);
-  });
+  problem.ForEachEdge<EdgeReprojection>(
+      [&](auto handle, const EdgeReprojection& edge, const auto& vertices) {
+        observations.push_back({edge, vertices});
+        old.push_back(handle);
+      });
   ASSERT_GT(observations.size(), 100u);
   for (const AnyEdge& edge : old)
     ASSERT_TRUE(problem.RemoveEdge(edge).ok());
-  const CameraPinhole camera{400.0, 410.0, 320.0, 240.0};
   for (const Observation& o : observations) {
     const Vector2 px(400.0 * o.edge.uv_target[0] + 320.0, 410.0 * o.edge.uv_target[1] + 240.0);
-    EdgePinhole edge;
+    E edge;
     edge.uv_host = o.edge.uv_host;
     edge.uv_target = px;
     edge.T_b_c = o.edge.T_b_c;
-    edge.camera = camera;
+    static_cast<CameraPinhole&>(edge.camera) = {400.0, 410.0, 320.0, 240.0};
     ASSERT_TRUE(problem.AddEdge(edge, o.vertices).ok());
   }
   const auto report = CheckNullspace(&problem);
@@ -129,6 +126,15 @@ TEST(Nullspace, ScaleIsAboutTheCameraOfAnyModel) {
   EXPECT_EQ(report->group, GaugeGroup::kMono);
   EXPECT_LT(report->MaxKappa(), kRounding);
   EXPECT_TRUE(report->edges.empty());
+}
+
+// The lever arm of a camera was looked for in edges on normalized coordinates only, later in those
+// of the library's camera models: with others, the body's origin was scaled instead of the camera's
+// centre, and edges with other names were taken for metric ones.
+TEST(Nullspace, ScaleIsAboutTheCameraOfAnyModel) {
+  ExpectScaleIsAboutTheCamera<EdgeReprojectionOf<CameraPinhole>>();
+  ExpectScaleIsAboutTheCamera<EdgeReprojectionOf<OwnCamera>>();
+  ExpectScaleIsAboutTheCamera<OwnReprojection>();
 }
 
 // Not so by accident: the same with a wrong group shows what is observed.

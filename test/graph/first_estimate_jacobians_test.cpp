@@ -81,19 +81,28 @@ class TwoPoses : public ::testing::Test {
   template <class E>
   Eigen::VectorXd Evaluate(std::vector<RowMajor>* J) {
     const EdgePoolBase& pool = *graph.EdgePoolOf(&kTypeInfo<E>);
-    Eigen::VectorXd r(pool.residual_dim(0));
-    std::vector<const double*> states, points;
     std::vector<double*> blocks;
     J->clear();
     for (int i = 0; i < pool.arity(0); ++i) {
-      const VertexPoolBase& vertices = *pool.vertex_pool(0, i);
-      const int index = vertices.slots().IndexOf(pool.vertex_address(0, i).slot);
-      states.push_back(vertices.Data(index));
-      points.push_back(vertices.first_estimates().At(index));
-      J->emplace_back(RowMajor::Zero(r.size(), vertices.ops().tangent_dim));
+      J->emplace_back(
+          RowMajor::Zero(pool.residual_dim(0), pool.vertex_pool(0, i)->ops().tangent_dim));
     }
     for (RowMajor& block : *J)
       blocks.push_back(block.data());
+    return EvaluateBlocks<E>(blocks);
+  }
+  /// The same, of the Jacobians that are not null.
+  template <class E>
+  Eigen::VectorXd EvaluateBlocks(std::span<double* const> blocks) {
+    const EdgePoolBase& pool = *graph.EdgePoolOf(&kTypeInfo<E>);
+    Eigen::VectorXd r(pool.residual_dim(0));
+    std::vector<const double*> states, points;
+    for (int i = 0; i < pool.arity(0); ++i) {
+      const VertexPoolBase& vertices = *pool.vertex_pool(0, i);
+      const int index = vertices.slots().IndexOf(pool.vertex_slot(0, i));
+      states.push_back(vertices.Data(index));
+      points.push_back(vertices.first_estimates().At(index));
+    }
     EXPECT_TRUE(pool.EvaluateAt(0, states.data(), points.data(), r.data(), blocks.data()));
     return r;
   }
@@ -202,6 +211,75 @@ TEST_F(TwoPoses, AVertexWithoutAFirstEstimateCountsWithItsValue) {
   Jacobian<6, 6> J_i, J_j;
   ASSERT_TRUE(edge.Evaluate(a, b, r, &J_i, &J_j));
   EXPECT_LT((J[0] - J_i).norm() + (J[1] - J_j).norm(), 1e-15);
+}
+
+/// Nine points of one body seen in another: 27 rows that depend on the relative pose only.
+struct EdgeManyRows {
+  using Vertices = VertexList<VertexPose, VertexPose>;
+  static constexpr int kResidualDim = 27;
+  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
+
+  bool Evaluate(const VertexPose& a, const VertexPose& b, Vector<27>& r, Jacobian<27, 6>* J_a,
+                Jacobian<27, 6>* J_b) const {
+    const Matrix3 R_a = a.pose.R(), R_b = b.pose.R();
+    for (int k = 0; k < 9; ++k) {
+      const Vector3 point(0.3 * k, std::sin(k), 1.0 - 0.1 * k * k);
+      const Vector3 in_b = R_b.transpose() * (R_a * point + a.pose.p() - b.pose.p());
+      r.segment<3>(3 * k) = in_b;
+      if (J_a) {
+        J_a->block<3, 3>(3 * k, 0) = R_b.transpose();
+        J_a->block<3, 3>(3 * k, 3) = -R_b.transpose() * R_a * so3::Hat(point);
+      }
+      if (J_b) {
+        J_b->block<3, 3>(3 * k, 0) = -R_b.transpose();
+        J_b->block<3, 3>(3 * k, 3) = so3::Hat(in_b);
+      }
+    }
+    return true;
+  }
+};
+
+// More than 16 rows were reported as an edge without a finite residual.
+TEST_F(TwoPoses, AnEdgeMayHaveAnyNumberOfRows) {
+  const EdgeManyRows edge;
+  ASSERT_TRUE(graph.AddEdge(edge, {pose_a, pose_b}).ok());
+  std::vector<RowMajor> J;
+  const Eigen::VectorXd r = Evaluate<EdgeManyRows>(&J);
+  const auto value = [&](const VertexPose& i, const VertexPose& j) {
+    Vector<27> residual;
+    EXPECT_TRUE(edge.Evaluate(i, j, residual, nullptr, nullptr));
+    return Eigen::VectorXd(residual);
+  };
+  EXPECT_LT((r - value(a, b)).norm(), 1e-15);
+  const RowMajor d_r_d_rel = RelativeDerivative(a, b, 27, value);
+  const auto d_rel = RelativePoseJacobians(a_lin, b_lin);
+  EXPECT_LT((J[0] - d_r_d_rel * d_rel[0]).norm(), 1e-7);
+  EXPECT_LT((J[1] - d_r_d_rel * d_rel[1]).norm(), 1e-7);
+  EXPECT_GT((J[0] - d_r_d_rel * RelativePoseJacobians(a, b)[0]).norm(), 1e-3);
+}
+
+// The Jacobian of a vertex is the same whether that of the other is wanted or not.
+TEST_F(TwoPoses, OneVertexHeldChangesNothingForTheOther) {
+  const auto point = graph.AddVertex(VertexPointXYZ(0.3, -0.2, 4.0));
+  const VertexPointXYZ x_lin(0.35, -0.1, 4.2);
+  ASSERT_TRUE(graph.SetFirstEstimate(point.value(), {x_lin.Data(), 3}).ok());
+  ASSERT_TRUE(graph.AddEdge(EdgeReprojectionXYZ(), {pose_a, point}).ok());
+  ASSERT_TRUE(graph.AddEdge(EdgeManyRows(), {pose_a, pose_b}).ok());
+  const auto check = [&]<class E>(std::type_identity<E>) {
+    std::vector<RowMajor> both;
+    Evaluate<E>(&both);
+    for (std::size_t wanted = 0; wanted < 2; ++wanted) {
+      RowMajor J = RowMajor::Zero(both[wanted].rows(), both[wanted].cols());
+      double* blocks[2] = {};
+      blocks[wanted] = J.data();
+      EvaluateBlocks<E>(blocks);
+      EXPECT_LT((J - both[wanted]).norm(), 1e-14 * both[wanted].norm()) << kTypeInfo<E>.name;
+    }
+    double* none[2] = {};
+    EvaluateBlocks<E>(none);
+  };
+  check(std::type_identity<EdgeReprojectionXYZ>());
+  check(std::type_identity<EdgeManyRows>());
 }
 
 /// Null to rounding at the points of linearization, whichever edge: that is what it is for.

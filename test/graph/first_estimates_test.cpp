@@ -126,6 +126,18 @@ TEST_F(FirstEstimatesTest, Refusals) {
   EXPECT_EQ(graph.RestoreSnapshot(snapshot).code(), StatusCode::kInvalidArgument);
 }
 
+// Any value was taken, and then was neither of the three.
+TEST_F(FirstEstimatesTest, AModeThatIsNoneIsRefusedByName) {
+  ASSERT_TRUE(graph.SetFirstEstimates(FirstEstimates::kPriorOnly).ok());
+  const std::uint64_t version = graph.structure_version();
+  const Status status = graph.SetFirstEstimates(static_cast<FirstEstimates>(7));
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(status.message(), "SetFirstEstimates: 7 is no FirstEstimates");
+  EXPECT_EQ(graph.first_estimates(), FirstEstimates::kPriorOnly);
+  EXPECT_EQ(graph.structure_version(), version);
+  EXPECT_EQ(graph.first_refusal().message(), status.message());
+}
+
 TEST(FirstEstimateSize, WhatMovesUnderTheGauge) {
   EXPECT_EQ(kVertexOps<VertexPose>.first_estimate_size, 7);
   EXPECT_EQ(kVertexOps<VertexPointXYZ>.first_estimate_size, 3);

@@ -46,7 +46,7 @@ Dense FirstEstimateSystem(const Graph& graph, const std::vector<AnyVertex>& orde
       }
       for (int i = 0; i < arity; ++i) {
         const VertexPoolBase& vertices = *pool->vertex_pool(edge, i);
-        const int index = vertices.slots().IndexOf(pool->vertex_address(edge, i).slot);
+        const int index = vertices.slots().IndexOf(pool->vertex_slot(edge, i));
         states.push_back(vertices.Data(index));
         points.push_back(vertices.first_estimates().At(index));
         J.emplace_back(rows, vertices.ops().tangent_dim);

@@ -6,21 +6,12 @@
 
 #include "glissade/glissade.h"
 #include "glissade/minimizer/minimizer.h"
+#include "support/rosenbrock.h"
 
 namespace glissade {
 namespace {
 
-/// Rosenbrock's valley: r = (10 (y - x^2), 1 - x).
-struct EdgeRosenbrock {
-  using Vertices = VertexList<VertexVector<2>>;
-  static constexpr int kResidualDim = 2;
-  bool Evaluate(const VertexVector<2>& v, Vector<2>& r, Jacobian<2, 2>* J) const {
-    const double x = v.Data()[0], y = v.Data()[1];
-    r << 10.0 * (y - x * x), 1.0 - x;
-    if (J != nullptr) *J << -20.0 * x, 10.0, -1.0, 0.0;
-    return true;
-  }
-};
+using test::EdgeRosenbrock;
 
 /// A x - (1, 2, 3).
 struct EdgeLinear {

@@ -9,24 +9,14 @@
 #include <cmath>
 
 #include "minimizer/strip.h"
+#include "support/rosenbrock.h"
 
 namespace glissade {
 namespace {
 
+using test::EdgeRosenbrock;
 using test::Strip;
 using test::StripOptions;
-
-/// Rosenbrock's valley: r = (10 (y - x^2), 1 - x).
-struct EdgeValley {
-  using Vertices = VertexList<VertexVector<2>>;
-  static constexpr int kResidualDim = 2;
-  bool Evaluate(const VertexVector<2>& v, Vector<2>& r, Jacobian<2, 2>* J) const {
-    const double x = v.Data()[0], y = v.Data()[1];
-    r << 10.0 * (y - x * x), 1.0 - x;
-    if (J != nullptr) *J << -20.0 * x, 10.0, -1.0, 0.0;
-    return true;
-  }
-};
 
 /// A number in tiny units.
 struct EdgeSteep {
@@ -98,7 +88,7 @@ TEST(StoppingRules, OneSteepVariableDoesNotEndTheSolve) {
   VertexVector<1> off;
   off.Data()[0] = 1e-9;
   const VertexHandle<VertexVector<1>> steep = problem.AddVertex(off);
-  ASSERT_TRUE(problem.AddEdge(EdgeValley{}, {v}).ok());
+  ASSERT_TRUE(problem.AddEdge(EdgeRosenbrock{}, {v}).ok());
   ASSERT_TRUE(problem.AddEdge(EdgeSteep{}, {steep}).ok());
   const SolveSummary& summary = problem.Solve({.max_iterations = 200});
   EXPECT_TRUE(summary.converged()) << summary.BriefReport();

@@ -116,6 +116,40 @@ TEST_P(NoAllocation, FromTheSecondIterationOn) {
   EXPECT_EQ(last - after_first, 0);
 }
 
+/// One that is linearized as a whole at first estimates, with more rows than most.
+struct EdgeManyRows {
+  using Vertices = VertexList<VertexPose>;
+  static constexpr int kResidualDim = 80;
+  bool Evaluate(const VertexPose& pose, Vector<80>& r, Jacobian<80, 6>* J) const {
+    for (int k = 0; k < 80; ++k)
+      r[k] = pose.pose.data[k % 3];
+    if (J == nullptr) return true;
+    J->setZero();
+    for (int k = 0; k < 80; ++k)
+      (*J)(k, k % 3) = 1.0;
+    return true;
+  }
+};
+
+// More than 64 rows were kept in a new array for each linearization of the edge.
+TEST_P(NoAllocation, OfEdgesWithManyRowsAtFirstEstimates) {
+  Window window(robust());
+  for (int k = 0; k < 10; ++k)
+    ASSERT_TRUE(window.AddFrame().ok());
+  Problem& problem = window.problem;
+  ASSERT_TRUE(problem.SetFirstEstimates(FirstEstimates::kFull).ok());
+  const double x_lin[7] = {1.0, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0};
+  ASSERT_TRUE(problem.SetFirstEstimate(window.frame(4), x_lin).ok());
+  ASSERT_TRUE(problem.AddEdge(EdgeManyRows(), {window.frame(4)}).ok());
+  const Snapshot start = problem.GetSnapshot();
+  problem.Solve(options_);
+  ASSERT_TRUE(problem.RestoreSnapshot(start).ok());
+  const std::int64_t before = test::MallocCount();
+  const SolveSummary& summary = problem.Solve(options_);
+  EXPECT_EQ(test::MallocCount() - before, 0);
+  EXPECT_GE(summary.accepted_steps, 3) << summary.BriefReport();
+}
+
 TEST_P(NoAllocation, InAReSolve) {
   Window window(robust());
   for (int k = 0; k < 10; ++k)

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <new>
 #include <vector>
 
 #include "glissade/glissade.h"
@@ -156,6 +157,71 @@ TEST_F(OutOfMemory, OfAMarginalizationIsAStatusAndTheNextOneWorks) {
       EXPECT_GT(failures, 30);
     }
   }
+}
+
+/// Each allocation of add(graph) fails in turn. What it throws leaves the graph as it was, and
+/// adding again does what it would have done.
+template <class Add>
+void FailEachAdd(Add&& add) {
+  for (int number = 0; number < 200; ++number) {
+    Problem problem = MakeProblem();
+    Problem reference = problem.Clone();
+    const Snapshot before = problem.GetSnapshot();
+    const int edges = problem.NumEdges();
+    const std::vector<AnyVertex> vertices = problem.Vertices();
+    bool thrown = false;
+    {
+      const test::FailingMalloc failing(number);
+      try {
+        static_cast<void>(add(&problem));
+      } catch (const std::bad_alloc&) {
+        thrown = true;
+      }
+      if (!failing.failed()) return;
+    }
+    if (thrown) {
+      ExpectSameGraph(problem, before, edges, vertices);
+      EXPECT_TRUE(add(&problem).ok());
+    }
+    EXPECT_TRUE(add(&reference).ok());
+    EXPECT_EQ(problem.NumEdges(), reference.NumEdges());
+    EXPECT_EQ(problem.NumVertices(), reference.NumVertices());
+    EXPECT_EQ(problem.Cost().value(), reference.Cost().value());
+    EXPECT_EQ(problem.NumEdgesOf(vertices[0]).value(), reference.NumEdgesOf(vertices[0]).value());
+    if (testing::Test::HasFailure()) {
+      ADD_FAILURE() << "at allocation " << number;
+      return;
+    }
+  }
+  ADD_FAILURE() << "no end of allocations";
+}
+
+// Of a typed edge or a vertex, a part was there where memory had run out between two of its arrays.
+TEST_F(OutOfMemory, OfAddingLeavesTheGraphAsItWas) {
+  const Problem original = MakeProblem();
+  const std::vector<AnyVertex> vertices = original.Vertices();
+  const auto pose = [&](std::size_t k) { return *vertices[k].As<VertexPose>(); };
+  const auto depth = *vertices[7].As<VertexInverseDepth>();
+  // Enough of them that every array has to grow.
+  FailEachAdd([](Problem* p) {
+    return p->AddVertices(std::span<const VertexPose>(std::vector<VertexPose>(100))).status();
+  });
+  FailEachAdd([](Problem* p) {
+    return p->AddVertices(std::span<const VertexPointXYZ>(std::vector<VertexPointXYZ>(5))).status();
+  });
+  FailEachAdd([&](Problem* p) {
+    const std::vector<EdgeReprojection> edges(500);
+    const std::vector<EdgeVertexHandles<EdgeReprojection>> on(500, {pose(0), pose(1), depth});
+    return p
+        ->AddEdges(std::span<const EdgeReprojection>(edges),
+                   std::span<const EdgeVertexHandles<EdgeReprojection>>(on))
+        .status();
+  });
+  FailEachAdd([&](Problem* p) {
+    return p->AddEdge(EdgeReprojection(), {pose(0), pose(1), depth}).status();
+  });
+  FailEachAdd([&](Problem* p) { return p->AddEdge(EdgeSE3Prior(), {pose(1)}).status(); });
+  FailEachAdd([](Problem* p) { return p->AddVertex(VertexPose()).status(); });
 }
 
 TEST_F(OutOfMemory, OfTheStepApiAndOfACovarianceIsAStatus) {

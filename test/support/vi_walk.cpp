@@ -171,7 +171,7 @@ GaugeInformation MeasureGauge(const Graph& graph, GaugeDirection direction) {
       const double* x0 = dynamic != nullptr ? dynamic->LinearizationPoint() : nullptr;
       for (int i = 0; i < arity; ++i) {
         const VertexPoolBase& vertices = *pool->vertex_pool(edge, i);
-        const int index = vertices.slots().IndexOf(pool->vertex_address(edge, i).slot);
+        const int index = vertices.slots().IndexOf(pool->vertex_slot(edge, i));
         const double* point = vertices.first_estimates().At(index);
         // A prior that keeps its Jacobian has that of its x0.
         states.push_back(constant && x0 != nullptr ? x0 : vertices.Data(index));

@@ -131,6 +131,42 @@ struct LeavesTheManifold : VertexPose {
   void Minus(const LeavesTheManifold& x0, double* d) const { VertexPose::Minus(x0, d); }
 };
 
+struct SaysItIsASum {  // of a scale: as many numbers as degrees of freedom, but no sum
+  static constexpr int kAmbientDim = 1;
+  static constexpr int kTangentDim = 1;
+  static constexpr bool kAdditive = true;
+  double s = 2.0;
+  double* Data() { return &s; }
+  const double* Data() const { return &s; }
+  void Plus(const double* d) { s *= std::exp(d[0]); }
+  void Minus(const SaysItIsASum& x0, double* d) const { d[0] = std::log(s / x0.s); }
+};
+struct WrongMinusJacobian : VertexPose {
+  void Minus(const WrongMinusJacobian& x0, double* d) const { VertexPose::Minus(x0, d); }
+  void MinusJacobian(const WrongMinusJacobian&, double* D) const {
+    for (int k = 0; k < 36; ++k)
+      D[k] = k % 7 == 0 ? 1.0 : 0.0;
+  }
+};
+
+// What a type inherits is for what it inherits: with a Minus() of its own, differences are right.
+TEST(VertexOps, AnInheritedMinusJacobianDoesNotCount) {
+  EXPECT_NE(kVertexOps<VertexPose>.minus_jacobian, nullptr);
+  EXPECT_NE(kVertexOps<WrongMinusJacobian>.minus_jacobian, nullptr);
+  EXPECT_EQ(kVertexOps<LeftPlus>.minus_jacobian, nullptr);
+}
+
+// Of the library's types one was forgotten, and was differentiated by differences.
+TEST(VertexOps, TheAdditiveOnesAreAdditive) {
+  EXPECT_TRUE(kVertexOps<VertexVector<2>>.additive);
+  EXPECT_TRUE(kVertexOps<VertexVector<40>>.additive);
+  EXPECT_TRUE(kVertexOps<VertexSpeedBias>.additive);
+  EXPECT_TRUE(kVertexOps<VertexInverseDepth>.additive);
+  EXPECT_TRUE(kVertexOps<VertexPointXYZ>.additive);
+  EXPECT_TRUE(kVertexOps<VertexCameraBal>.additive);
+  EXPECT_FALSE(kVertexOps<VertexPose>.additive);
+}
+
 TEST(CheckVertexAxioms, FindsFaults) {
   Random random(5);
   LeftPlus left;
@@ -138,6 +174,9 @@ TEST(CheckVertexAxioms, FindsFaults) {
   EXPECT_NE(CheckVertexAxioms(left).message.find("(x boxplus d) boxminus x"), std::string::npos);
   EXPECT_FALSE(CheckVertexAxioms(ForgetsAnEntry{}).ok);
   EXPECT_FALSE(CheckVertexAxioms(SmallStepsVanish{}).ok);
+  EXPECT_NE(CheckVertexAxioms(SaysItIsASum{}).message.find("kAdditive"), std::string::npos);
+  EXPECT_NE(CheckVertexAxioms(WrongMinusJacobian{}).message.find("MinusJacobian"),
+            std::string::npos);
   LeavesTheManifold leaves;
   EXPECT_NE(CheckVertexAxioms(leaves).message.find("Validate"), std::string::npos);
 }

@@ -13,9 +13,6 @@
 /// Data() gives it: a VertexPose is px py pz qx qy qz qw.
 namespace glissade::bridge {
 
-/// True for the vertex types that are known to have Plus(d) = x + d: they need no manifold.
-bool IsAdditive(const VertexOps& ops);
-
 /// d(x boxplus d)/dd at d = 0, row-major ambient_dim x tangent_dim. Exact for glissade's own vertex
 /// types, otherwise by extrapolated central differences of Plus (about 1e-12 relative).
 void PlusJacobian(const VertexOps& ops, const double* x, double* jacobian);
@@ -26,7 +23,7 @@ void PlusJacobian(const VertexOps& ops, const double* x, double* jacobian);
 /// tangent Jacobian travels through Ceres, which wants ambient ones and projects them back.
 void MinusJacobian(const VertexOps& ops, const double* x, double* jacobian);
 
-/// The vertex type as a ceres::Manifold; null where IsAdditive(), as Ceres takes it.
+/// The vertex type as a ceres::Manifold; null where it is additive, as Ceres takes it.
 std::unique_ptr<ceres::Manifold> MakeManifold(const VertexOps& ops);
 
 }  // namespace glissade::bridge

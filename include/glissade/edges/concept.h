@@ -5,6 +5,7 @@
 #include <concepts>
 #include <cstddef>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "glissade/base/matrix.h"
@@ -38,10 +39,19 @@
 /// Optional members:
 ///   static constexpr bool kIsObservation = true;  // two on the same vertices with
 ///   bool SameSensor(const EdgeX& other) const;    //   SameSensor true are duplicates
+///   double Depth(const V&... vertices) const;     // of the observed point in the camera [m], for
+///                                                 //   DepthOf and GetOutlierEdges
 ///   static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;  // see there
-///   static constexpr unsigned kNoFirstEstimate = 1u << 3;  // slots that are no part of the gauge
-///   Result depth: double Depth(vertices...) const; // for DepthOf and GetOutlierEdges
+///   static constexpr unsigned kNoFirstEstimate = 1u << 3;  // bit i: vertex i is always linearized
+///                                                          //   at its present value
+///   static constexpr auto kScaleRule = ScaleRule::kRays;   // see there
+///   static constexpr int kExtrinsicVertex = 3;    // this vertex is T_b_c of the camera,
+///   Pose T_b_c;                                   //   or the edge has it: camera in body
 namespace glissade {
+
+struct Pose;
+struct VertexPose;
+struct VertexPointXYZ;
 
 /// How an edge is linearized where its vertices have linearization points x_lin other than their
 /// present values x (first estimates in full, graph/first_estimates.h). The residual is that of x.
@@ -55,6 +65,18 @@ enum class FirstEstimateRule {
   kRelativePoint,
 };
 
+/// What an edge says of the scale of the scene: whether a gauge has a direction of scale (Orbit,
+/// gauge/orbit.h) is asked of all edges.
+enum class ScaleRule {
+  /// It measures lengths: IMU, stereo, ranges, relative poses. Default.
+  kMetric,
+  /// Rays of one camera, blind to scale as long as the camera has the same place in the body for
+  /// all: that of kExtrinsicVertex or T_b_c, or the body itself for an edge that has neither.
+  kRays,
+  /// A prior, which holds what it holds. The others are asked.
+  kPrior,
+};
+
 /// The vertex types an edge connects, in the order of Evaluate's arguments.
 template <VertexType... V>
 struct VertexList {
@@ -63,6 +85,10 @@ struct VertexList {
   template <int I>
   using Type = std::tuple_element_t<static_cast<std::size_t>(I), std::tuple<V...>>;
 };
+
+/// The I-th vertex type of edge type E.
+template <class E, int I>
+using EdgeVertex = typename E::Vertices::template Type<I>;
 
 // clang-format 14 takes concepts apart.
 // clang-format off
@@ -86,20 +112,81 @@ inline constexpr bool kCanEvaluate<E, VertexList<V...>> =
              Jacobian<E::kResidualDim, V::kTangentDim>*... jacobian) {
       { edge.Evaluate(vertex..., r, jacobian...) } -> std::same_as<bool>;
     };
+
+template <class E>
+constexpr FirstEstimateRule FirstEstimateRuleOf() {
+  if constexpr (requires { E::kFirstEstimateRule; }) {
+    return E::kFirstEstimateRule;
+  } else {
+    return FirstEstimateRule::kWhole;
+  }
+}
+
+template <class E>
+constexpr bool FitsFirstEstimateRule() {
+  constexpr FirstEstimateRule kRule = FirstEstimateRuleOf<E>();
+  if constexpr (kRule == FirstEstimateRule::kWhole) {
+    return true;
+  } else if constexpr (E::Vertices::kSize < 2) {
+    return false;
+  } else {
+    using Second = std::conditional_t<kRule == FirstEstimateRule::kRelativePose, VertexPose,
+                                      VertexPointXYZ>;
+    return std::is_same_v<EdgeVertex<E, 0>, VertexPose> &&
+           std::is_same_v<EdgeVertex<E, 1>, Second>;
+  }
+}
 }  // namespace internal
 
 /// `bool Evaluate(const V&..., Vector<R>& r, Jacobian<R, V::kTangentDim>*...) const`
 template <class E>
 concept EdgeHasEvaluate = internal::kCanEvaluate<E, typename E::Vertices>;
 
+/// kFirstEstimateRule, if there is one, is for edges on these vertices.
+template <class E>
+concept EdgeFitsFirstEstimateRule = internal::FitsFirstEstimateRule<E>();
+
 template <class E>
 concept EdgeType = std::copyable<E> && EdgeHasVertices<E> && EdgeHasResidualDim<E> &&
-                   EdgeHasEvaluate<E>;
+                   EdgeHasEvaluate<E> && EdgeFitsFirstEstimateRule<E>;
 // clang-format on
 
-/// The I-th vertex type of edge type E.
-template <class E, int I>
-using EdgeVertex = typename E::Vertices::template Type<I>;
+/// The optional members of an edge type, at run time.
+struct EdgeTraits {
+  FirstEstimateRule first_estimate_rule = FirstEstimateRule::kWhole;
+  unsigned no_first_estimate = 0;
+  ScaleRule scale_rule = ScaleRule::kMetric;
+  int extrinsic_vertex = -1;  ///< negative: none
+  bool is_observation = false;
+};
+
+namespace internal {
+
+template <class E>
+constexpr int ExtrinsicVertexOf() {
+  if constexpr (requires { E::kExtrinsicVertex; }) {
+    static_assert(0 <= E::kExtrinsicVertex && E::kExtrinsicVertex < E::Vertices::kSize,
+                  "kExtrinsicVertex is one of the edge's vertices");
+    static_assert(std::is_same_v<EdgeVertex<E, E::kExtrinsicVertex>, VertexPose>,
+                  "kExtrinsicVertex: an extrinsic is a VertexPose");
+    return E::kExtrinsicVertex;
+  } else {
+    return -1;
+  }
+}
+
+}  // namespace internal
+
+template <class E>
+inline constexpr EdgeTraits kEdgeTraits = [] {
+  EdgeTraits traits;
+  traits.first_estimate_rule = internal::FirstEstimateRuleOf<E>();
+  traits.extrinsic_vertex = internal::ExtrinsicVertexOf<E>();
+  if constexpr (requires { E::kNoFirstEstimate; }) traits.no_first_estimate = E::kNoFirstEstimate;
+  if constexpr (requires { E::kScaleRule; }) traits.scale_rule = E::kScaleRule;
+  if constexpr (requires { E::kIsObservation; }) traits.is_observation = E::kIsObservation;
+  return traits;
+}();
 
 /// The handles an edge of type E is added with: a tuple, so `{host, target, depth}` does.
 template <class E>

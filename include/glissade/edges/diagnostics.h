@@ -135,6 +135,10 @@ constexpr void ExplainEdge() {
   } else if constexpr (!EdgeHasEvaluate<E>) {
     ExplainEvaluate<E, typename ExpectedEvaluate<E, typename E::Vertices>::Type,
                     WrongJacobian<E>()>();
+  } else if constexpr (!EdgeFitsFirstEstimateRule<E>) {
+    static_assert(EdgeFitsFirstEstimateRule<E>,
+                  "kFirstEstimateRule: vertices 0 and 1 must be of type VertexPose for "
+                  "kRelativePose, a VertexPose and a VertexPointXYZ for kRelativePoint");
   } else {
     static_assert(std::copyable<E>, "an edge type is a plain value: it must be copyable");
   }

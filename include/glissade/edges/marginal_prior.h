@@ -67,11 +67,9 @@ class EdgeMarginalPrior final : public DynamicEdge {
 };
 
 namespace internal {
-/// d((x boxplus d) boxminus x0)/dd at d = 0, row-major, tangent_dim square. Types that the library
-/// does not know: differences of fourth order, good to about 1e-12.
+/// d((x boxplus d) boxminus x0)/dd at d = 0, row-major, tangent_dim square. Of types that do not
+/// offer it: differences of fourth order, good to about 1e-12.
 void MinusJacobian(const VertexOps& ops, const double* x, const double* x0, double* D);
-/// Whether boxplus is a sum, and so that derivative the identity.
-bool IsAdditive(const VertexOps& ops);
 }  // namespace internal
 
 }  // namespace glissade

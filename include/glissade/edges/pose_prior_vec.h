@@ -14,6 +14,7 @@ namespace glissade {
 struct EdgePosePriorVec {
   using Vertices = VertexList<VertexPose>;
   static constexpr int kResidualDim = 6;
+  static constexpr auto kScaleRule = ScaleRule::kPrior;
 
   Pose T_w_b;
 

@@ -20,6 +20,7 @@ struct EdgeReprojectionOf {
   using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth>;
   static constexpr int kResidualDim = 2;
   static constexpr bool kIsObservation = true;
+  static constexpr auto kScaleRule = ScaleRule::kRays;
   static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
 
   /// Normalized coordinates (x/z, y/z) of the host's ray, whatever the camera model: unproject

@@ -22,6 +22,8 @@ struct EdgeReprojectionCalibrationOf {
       VertexList<VertexPose, VertexPose, VertexInverseDepth, VertexPose, VertexVector<1>>;
   static constexpr int kResidualDim = 2;
   static constexpr bool kIsObservation = true;
+  static constexpr auto kScaleRule = ScaleRule::kRays;
+  static constexpr int kExtrinsicVertex = 3;
   static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
 
   TimedObservation host;    ///< normalized coordinates of the host's ray, and their velocity

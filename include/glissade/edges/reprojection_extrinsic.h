@@ -18,6 +18,8 @@ struct EdgeReprojectionExtrinsicOf {
   using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth, VertexPose>;
   static constexpr int kResidualDim = 2;
   static constexpr bool kIsObservation = true;
+  static constexpr auto kScaleRule = ScaleRule::kRays;
+  static constexpr int kExtrinsicVertex = 3;
   static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
 
   Vector2 uv_host = Vector2::Zero();    ///< normalized coordinates of the host's ray

@@ -20,6 +20,7 @@ struct EdgeReprojectionTimeOffsetOf {
   using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth, VertexVector<1>>;
   static constexpr int kResidualDim = 2;
   static constexpr bool kIsObservation = true;
+  static constexpr auto kScaleRule = ScaleRule::kRays;
   static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
 
   TimedObservation host;    ///< normalized coordinates of the host's ray, and their velocity

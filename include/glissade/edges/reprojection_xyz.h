@@ -22,6 +22,7 @@ struct EdgeReprojectionXYZOf {
   using Vertices = VertexList<VertexPose, VertexPointXYZ>;
   static constexpr int kResidualDim = 2;
   static constexpr bool kIsObservation = true;
+  static constexpr auto kScaleRule = ScaleRule::kRays;
   static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePoint;
 
   /// Image coordinates: normalized (x/z, y/z) for CameraIdentity, else the camera's.

@@ -13,6 +13,7 @@ namespace glissade {
 struct EdgeSE3Prior {
   using Vertices = VertexList<VertexPose>;
   static constexpr int kResidualDim = 6;
+  static constexpr auto kScaleRule = ScaleRule::kPrior;
 
   Pose T_w_b;
 

@@ -12,6 +12,7 @@ namespace glissade {
 struct EdgeSpeedBiasPrior {
   using Vertices = VertexList<VertexSpeedBias>;
   static constexpr int kResidualDim = 9;
+  static constexpr auto kScaleRule = ScaleRule::kPrior;
 
   VertexSpeedBias prior;
 

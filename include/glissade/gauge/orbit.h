@@ -28,14 +28,14 @@ class Orbit {
 
   Orbit() = default;
   /// kAuto: kVisualInertial where the graph has a VertexSpeedBias; else kMono where all edges but
-  /// priors are observations by one camera; else kStereo. Refused: a graph without a VertexPose,
-  /// a group that is none.
+  /// priors are rays of one camera (ScaleRule, edges/concept.h); else kStereo. Refused: a graph
+  /// without a VertexPose, a group that is none.
   static Result<Orbit> Of(const Graph& graph, GaugeGroup group = GaugeGroup::kAuto);
 
   [[nodiscard]] GaugeGroup group() const { return group_; }
   [[nodiscard]] int dim() const { return Dimension(group_); }
   /// p_B_C of the camera: its centre scales, the lever arm does not. Zero except for kMono. Taken
-  /// from the edges with the library's camera models; a model of your own is not seen.
+  /// from the edges that are rays.
   [[nodiscard]] const double* lever() const { return lever_; }
   [[nodiscard]] bool Moves(AnyVertex vertex) const;
 

@@ -14,11 +14,11 @@ namespace glissade {
 /// All dynamic edges of a graph, of whatever class.
 class DynamicEdgePool final : public EdgePoolBase {
  public:
-  DynamicEdgePool() : EdgePoolBase(&kTypeInfo<DynamicEdge>) {}
+  DynamicEdgePool();
 
   struct Vertex {
     VertexPoolBase* pool;
-    internal::SlotMap::Address address;
+    std::uint32_t slot;
   };
 
   EdgeHandle<DynamicEdge> Add(std::unique_ptr<DynamicEdge> edge, std::span<const Vertex> vertices,
@@ -46,8 +46,8 @@ class DynamicEdgePool final : public EdgePoolBase {
   [[nodiscard]] VertexPoolBase* vertex_pool(int edge, int i) const override {
     return EntryAt(edge).vertices[static_cast<std::size_t>(i)].pool;
   }
-  [[nodiscard]] internal::SlotMap::Address vertex_address(int edge, int i) const override {
-    return EntryAt(edge).vertices[static_cast<std::size_t>(i)].address;
+  [[nodiscard]] std::uint32_t vertex_slot(int edge, int i) const override {
+    return EntryAt(edge).vertices[static_cast<std::size_t>(i)].slot;
   }
 
   [[nodiscard]] int fixed_arity() const override { return 0; }
@@ -57,8 +57,8 @@ class DynamicEdgePool final : public EdgePoolBase {
   void Whiten(int, double*, double* const*) const override {}
   [[nodiscard]] double Chi2(int edge) const override;
   bool Depth(int, double*) const override { return false; }
+  [[nodiscard]] const double* Extrinsic(int) const override { return nullptr; }
   [[nodiscard]] bool IsDuplicate(int, int) const override { return false; }
-  [[nodiscard]] bool IsObservation() const override { return false; }
   bool Linearize(const std::int32_t* words, int count, NormalEquationsSink* sink) const override;
   bool Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const override;
   void Prepare() override;
@@ -83,6 +83,7 @@ class DynamicEdgePool final : public EdgePoolBase {
   [[nodiscard]] const Entry& EntryAt(int edge) const {
     return items_[static_cast<std::size_t>(edge)];
   }
+  void Link(int edge);
   void PrepareItem(Entry* item) const;
   void FillRefs(const Entry& item) const;
   void SetRefs(const Entry& item, const std::int32_t* words) const;

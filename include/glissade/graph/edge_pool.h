@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <span>
 #include <tuple>
 #include <type_traits>
 #include <vector>
@@ -41,26 +42,31 @@ class EdgePool final : public EdgePoolBase {
   using Pools = typename internal::EdgeTuples<typename E::Vertices>::Pools;
   using Jacobians = typename internal::EdgeTuples<typename E::Vertices>::template Jacobians<kRows>;
   using SqrtInformation = SquareMatrix<kRows>;
-  using Addresses = std::array<internal::SlotMap::Address, kArity>;
+  using VertexSlots = std::array<std::uint32_t, kArity>;
 
-  explicit EdgePool(const Pools& pools) : EdgePoolBase(&kTypeInfo<E>), pools_(pools) {}
+  explicit EdgePool(const Pools& pools)
+      : EdgePoolBase(&kTypeInfo<E>, kEdgeTraits<E>, kArity), pools_(pools) {
+    ForEachIndex<kArity>([&](auto i) { lists_.ColumnOf(std::get<i>(pools_)); });
+  }
 
   // No Eigen type in any public signature: pools of built-in edges are compiled in the library
   // only (builtin_pools.h), which knows Eigen under another name.
-  /// sqrt_information: kRows x kRows, row-major.
+  /// sqrt_information: kRows x kRows, row-major. Where memory runs out (std::bad_alloc), or copying
+  /// the edge throws, nothing has been added.
   EdgeHandle<E> Add(const E& edge, const EdgeVertexHandles<E>& vertices,
                     const double* sqrt_information, bool identity, const Loss& loss,
                     std::uint64_t stamp, std::uint32_t graph) {
-    const auto address = slots_.Add(stamp, graph);
+    Reserve(std::span(&vertices, 1));
+    VertexSlots slots;
+    ForEachIndex<kArity>([&](auto i) { slots[i] = std::get<i>(vertices).slot; });
+    const std::uint32_t loss_index = FindOrAddLoss(loss);
     edges_.push_back(edge);
-    Addresses addresses;
-    ForEachIndex<kArity>([&](auto i) {
-      addresses[i] = {std::get<i>(vertices).slot, std::get<i>(vertices).generation};
-    });
-    vertices_.push_back(addresses);
+    vertices_.push_back(slots);
     sqrt_information_.emplace_back(sqrt_information);
     identity_.push_back(identity ? 1 : 0);
-    loss_of_edge_.push_back(FindOrAddLoss(loss));
+    loss_of_edge_.push_back(loss_index);
+    const auto address = slots_.Add(stamp, graph);
+    Link(size() - 1);
     return {address.slot, address.generation, graph};
   }
 
@@ -81,17 +87,22 @@ class EdgePool final : public EdgePoolBase {
     });
     return ok && eliminated <= 1;
   }
-  /// Room for `count` more.
-  void Reserve(std::size_t count) {
-    const auto grow = [&](auto* items) {
-      if (items->capacity() >= items->size() + count) return;
-      items->reserve(std::max(items->size() + count, 2 * items->capacity()));
-    };
-    grow(&edges_);
-    grow(&vertices_);
-    grow(&sqrt_information_);
-    grow(&identity_);
-    grow(&loss_of_edge_);
+  /// Room for edges on these vertices: adding them will not allocate.
+  void Reserve(std::span<const EdgeVertexHandles<E>> vertices) {
+    const std::size_t count = vertices.size();
+    slots_.MakeRoom(count);
+    internal::MakeRoomIn(&edges_, count);
+    internal::MakeRoomIn(&vertices_, count);
+    internal::MakeRoomIn(&sqrt_information_, count);
+    internal::MakeRoomIn(&identity_, count);
+    internal::MakeRoomIn(&loss_of_edge_, count);
+    lists_.MakeRoomForLinks(kArity * count);
+    ForEachIndex<kArity>([&](auto i) {
+      std::uint32_t last = 0;
+      for (const EdgeVertexHandles<E>& of_edge : vertices)
+        last = std::max(last, std::get<i>(of_edge).slot);
+      lists_.MakeRoom(kColumn[i], last);
+    });
   }
 
   [[nodiscard]] const E& At(int edge) const { return edges_[Index(edge)]; }
@@ -106,6 +117,17 @@ class EdgePool final : public EdgePoolBase {
   }
   [[nodiscard]] const Pools& pools() const { return pools_; }
 
+  /// The vertices of an edge that is alive.
+  [[nodiscard]] EdgeVertexHandles<E> HandlesOf(int edge) const {
+    EdgeVertexHandles<E> handles;
+    ForEachIndex<kArity>([&](auto i) {
+      const internal::SlotMap& slots = std::get<i>(pools_)->slots();
+      const std::uint32_t slot = vertices_[Index(edge)][i];
+      std::get<i>(handles) = {slot, slots.GenerationOf(slot), slots.GraphOf(slot)};
+    });
+    return handles;
+  }
+
   [[nodiscard]] int arity(int) const override { return kArity; }
   [[nodiscard]] int residual_dim(int) const override { return kRows; }
   [[nodiscard]] VertexPoolBase* vertex_pool(int, int i) const override {
@@ -115,7 +137,7 @@ class EdgePool final : public EdgePoolBase {
     });
     return pool;
   }
-  [[nodiscard]] internal::SlotMap::Address vertex_address(int edge, int i) const override {
+  [[nodiscard]] std::uint32_t vertex_slot(int edge, int i) const override {
     return vertices_[Index(edge)][static_cast<std::size_t>(i)];
   }
 
@@ -153,15 +175,6 @@ class EdgePool final : public EdgePoolBase {
     (std::make_index_sequence<kArity>{});
   }
 
-  [[nodiscard]] FirstEstimateRule first_estimate_rule() const override {
-    if constexpr (requires { E::kFirstEstimateRule; }) return E::kFirstEstimateRule;
-    return FirstEstimateRule::kWhole;
-  }
-  [[nodiscard]] unsigned no_first_estimate() const override {
-    if constexpr (requires { E::kNoFirstEstimate; }) return E::kNoFirstEstimate;
-    return 0;
-  }
-
   void Whiten(int edge, double* residual, double* const* jacobians) const override {
     if (identity_[Index(edge)] != 0) return;
     const double* L = sqrt_information(edge);
@@ -195,21 +208,24 @@ class EdgePool final : public EdgePoolBase {
     });
   }
 
-  [[nodiscard]] bool IsObservation() const override {
-    if constexpr (requires { E::kIsObservation; }) return E::kIsObservation;
-    return false;
-  }
-  [[nodiscard]] bool IsDuplicate(int edge, int other) const override {
-    if constexpr (requires { E::kIsObservation; }) {
-      if constexpr (requires(const E& e) {
-                      { e.SameSensor(e) } -> std::convertible_to<bool>;
-                    }) {
-        return E::kIsObservation && At(edge).SameSensor(At(other));
-      } else {
-        return E::kIsObservation;
-      }
+  [[nodiscard]] const double* Extrinsic(int edge) const override {
+    if constexpr (requires(const E& e) {
+                    { &e.T_b_c } -> std::same_as<const Pose*>;
+                  }) {
+      return At(edge).T_b_c.data;
+    } else {
+      return nullptr;
     }
-    return false;
+  }
+
+  [[nodiscard]] bool IsDuplicate(int edge, int other) const override {
+    if constexpr (requires(const E& e) {
+                    { e.SameSensor(e) } -> std::convertible_to<bool>;
+                  }) {
+      return kEdgeTraits<E>.is_observation && At(edge).SameSensor(At(other));
+    } else {
+      return kEdgeTraits<E>.is_observation;
+    }
   }
 
   bool Linearize(const std::int32_t* words, int count, NormalEquationsSink* sink) const override {
@@ -246,13 +262,10 @@ class EdgePool final : public EdgePoolBase {
   }
 
   void Compact() override {
-    // An edge goes with its vertices: mark those first.
-    for (int edge = 0; edge < size(); ++edge) {
-      if (slots_.AliveAt(edge) && !Alive(edge)) slots_.Remove(slots_.SlotOf(edge));
-    }
+    if (slots_.NumAlive() == size()) return;
     slots_.Compact([this](int from, int to) {
       const std::size_t f = Index(from), t = Index(to);
-      edges_[t] = edges_[f];
+      edges_[t] = std::move(edges_[f]);
       vertices_[t] = vertices_[f];
       sqrt_information_[t] = sqrt_information_[f];
       identity_[t] = identity_[f];
@@ -264,6 +277,9 @@ class EdgePool final : public EdgePoolBase {
     sqrt_information_.resize(n);
     identity_.resize(n);
     loss_of_edge_.resize(n);
+    lists_.Clear();
+    for (int edge = 0; edge < size(); ++edge)
+      Link(edge);
   }
 
   [[nodiscard]] std::unique_ptr<EdgePoolBase> Clone(
@@ -276,15 +292,37 @@ class EdgePool final : public EdgePoolBase {
         }
       }
     });
+    copy->lists_.Rebind(vertex_pools);
     return copy;
   }
 
  private:
   static std::size_t Index(int i) { return static_cast<std::size_t>(i); }
 
+  /// Which column of lists_ the vertices of each argument have: one for each type.
+  static constexpr std::array<int, kArity> kColumn = [] {
+    std::array<const TypeInfo*, kArity> types{};
+    ForEachIndex<kArity>([&](auto i) { types[i] = &kTypeInfo<EdgeVertex<E, i>>; });
+    std::array<int, kArity> column{};
+    int count = 0;
+    for (std::size_t i = 0; i < types.size(); ++i) {
+      std::size_t first = 0;
+      while (types[first] != types[i])
+        ++first;
+      column[i] = first < i ? column[first] : count++;
+    }
+    return column;
+  }();
+
+  void Link(int edge) {
+    const VertexSlots& slots = vertices_[Index(edge)];
+    for (std::size_t i = 0; i < slots.size(); ++i)
+      lists_.Append(kColumn[i], slots[i], edge);
+  }
+
   void DenseIndices(int edge, std::int32_t* indices) const {
     ForEachIndex<kArity>([&](auto i) {
-      indices[i] = std::get<i>(pools_)->slots().IndexOf(vertices_[Index(edge)][i].slot);
+      indices[i] = std::get<i>(pools_)->slots().IndexOf(vertices_[Index(edge)][i]);
     });
   }
   [[nodiscard]] std::array<std::int32_t, kArity> DenseIndices(int edge) const {
@@ -333,7 +371,7 @@ class EdgePool final : public EdgePoolBase {
 
   Pools pools_;
   std::vector<E> edges_;
-  std::vector<Addresses> vertices_;
+  std::vector<VertexSlots> vertices_;
   std::vector<SqrtInformation> sqrt_information_;
   std::vector<std::uint8_t> identity_;
 };

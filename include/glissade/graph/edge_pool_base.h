@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "glissade/edges/concept.h"
+#include "glissade/graph/edge_lists.h"
 #include "glissade/graph/edge_plan.h"
 #include "glissade/graph/slot_map.h"
 #include "glissade/graph/vertex_pool.h"
@@ -20,10 +21,14 @@ inline constexpr int kMaxTypedArity = 16;
 /// All edges of one type (or all dynamic edges), as the modules below the graph see them.
 class EdgePoolBase {
  public:
-  explicit EdgePoolBase(const TypeInfo* type) : type_(type) {}
+  /// arity: of all its edges, 0 if it differs.
+  EdgePoolBase(const TypeInfo* type, const EdgeTraits& traits, int arity)
+      : type_(type), traits_(&traits), lists_(arity) {}
   virtual ~EdgePoolBase() = default;
 
   [[nodiscard]] const TypeInfo* type() const { return type_; }
+  [[nodiscard]] const EdgeTraits& traits() const { return *traits_; }
+  [[nodiscard]] bool IsObservation() const { return traits_->is_observation; }
   [[nodiscard]] const internal::SlotMap& slots() const { return slots_; }
   [[nodiscard]] int size() const { return slots_.Size(); }
   [[nodiscard]] AnyEdge HandleAt(int edge) const {
@@ -39,31 +44,36 @@ class EdgePoolBase {
 
   [[nodiscard]] virtual int arity(int edge) const = 0;
   [[nodiscard]] virtual int residual_dim(int edge) const = 0;
-  /// Pool and slot/generation of the i-th vertex of an edge.
+  /// Pool and slot of the i-th vertex of an edge.
   [[nodiscard]] virtual VertexPoolBase* vertex_pool(int edge, int i) const = 0;
-  [[nodiscard]] virtual internal::SlotMap::Address vertex_address(int edge, int i) const = 0;
+  [[nodiscard]] virtual std::uint32_t vertex_slot(int edge, int i) const = 0;
   /// Number of vertices where it is the same for all edges of the pool, else 0.
   [[nodiscard]] virtual int fixed_arity() const = 0;
   /// Dense indices of all vertices of all edges (live ones: after Compact), one after the other.
   virtual void AllDenseIndices(std::int32_t* indices) const = 0;
   /// The i-th vertex of an edge that is alive.
   [[nodiscard]] AnyVertex VertexOf(int edge, int i) const {
-    const auto address = vertex_address(edge, i);
+    const std::uint32_t slot = vertex_slot(edge, i);
     const VertexPoolBase* pool = vertex_pool(edge, i);
-    return {pool->ops().type, address.slot, address.generation,
-            pool->slots().GraphOf(address.slot)};
+    return {pool->ops().type, slot, pool->slots().GenerationOf(slot), pool->slots().GraphOf(slot)};
   }
-  /// Not removed, and none of its vertices removed.
-  [[nodiscard]] bool Alive(int edge) const {
-    if (!slots_.AliveAt(edge)) return false;
-    const int n = arity(edge);
-    for (int i = 0; i < n; ++i) {
-      const auto address = vertex_address(edge, i);
-      if (!vertex_pool(edge, i)->slots().Contains(address.slot, address.generation)) return false;
-    }
-    return true;
-  }
+  /// Not removed, by itself or with one of its vertices.
+  [[nodiscard]] bool Alive(int edge) const { return slots_.AliveAt(edge); }
   void Remove(std::uint32_t slot) { slots_.Remove(slot); }
+
+  /// f(edge) for each edge at a vertex, youngest first: as many steps as there are, and were since
+  /// the last Compact().
+  template <class F>
+  void ForEachEdgeAt(const VertexPoolBase& vertices, std::uint32_t slot, F&& f) const {
+    for (auto link = lists_.First(&vertices, slot); link >= 0; link = lists_.Next(link)) {
+      if (const int edge = lists_.EdgeOf(link); slots_.AliveAt(edge)) f(edge);
+    }
+  }
+  /// Removes the edges at a vertex, which goes.
+  void RemoveEdgesAt(const VertexPoolBase& vertices, std::uint32_t slot) {
+    ForEachEdgeAt(vertices, slot, [&](int edge) { slots_.Remove(slots_.SlotOf(edge)); });
+    lists_.Drop(&vertices, slot);
+  }
 
   /// Raw residual (unweighted) and Jacobians (row-major, in the full tangent; null pointers or a
   /// null array skip them) at the given states. False where the edge has no finite value.
@@ -74,29 +84,27 @@ class EdgePoolBase {
   /// FirstEstimateRule says.
   bool EvaluateAt(int edge, const double* const* states, const double* const* points,
                   double* residual, double* const* jacobians) const;
-  [[nodiscard]] virtual FirstEstimateRule first_estimate_rule() const {
-    return FirstEstimateRule::kWhole;
-  }
-  /// Bit i: vertex i is always linearized at its present value.
-  [[nodiscard]] virtual unsigned no_first_estimate() const { return 0; }
   /// residual <- L residual, jacobians <- L jacobians.
   virtual void Whiten(int edge, double* residual, double* const* jacobians) const = 0;
   /// s = r' Omega r at the present states; NaN where the edge has no finite value.
   [[nodiscard]] virtual double Chi2(int edge) const = 0;
   /// Depth of the observed point in the observing camera [m]; false if the type has none.
   virtual bool Depth(int edge, double* depth) const = 0;
+  /// T_b_c that an edge carries, 7 numbers; null if it has none, or has it as a vertex
+  /// (traits().extrinsic_vertex).
+  [[nodiscard]] virtual const double* Extrinsic(int edge) const = 0;
   /// Two edges on the same vertices that are one observation counted twice.
   [[nodiscard]] virtual bool IsDuplicate(int edge, int other) const = 0;
-  [[nodiscard]] virtual bool IsObservation() const = 0;
 
-  /// Adds H, b and cost of count edges, whose plan records (edge_plan.h) start at words. Returns
-  /// false at the first edge without a finite value, named in sink->failed_edge.
+  /// Adds H, b and cost of the edges in `count` plan records (edge_plan.h) that begin at `words`.
+  /// False at the first edge without a finite value; sink->failed_edge says which.
   virtual bool Linearize(const std::int32_t* words, int count, NormalEquationsSink* sink) const = 0;
   /// The same, cost only.
   virtual bool Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const = 0;
-  /// Bytes of scratch and the like that Linearize needs are sized here, once per analysis.
+  /// Sizes the scratch that Linearize needs. Called once per analysis.
   virtual void Prepare() {}
 
+  /// Closes the gaps that removed edges have left; nothing where there are none.
   virtual void Compact() = 0;
   /// A copy whose edges refer to the given vertex pools (same types, same slots). Null, with the
   /// edge in *failed, where an edge cannot be copied.
@@ -114,7 +122,9 @@ class EdgePoolBase {
   }
 
   const TypeInfo* type_;
+  const EdgeTraits* traits_;
   internal::SlotMap slots_;
+  internal::EdgeLists lists_;
   std::vector<Loss> losses_;
   std::vector<std::uint32_t> loss_of_edge_;
 };

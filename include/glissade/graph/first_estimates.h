@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "glissade/graph/slot_map.h"
 #include "glissade/vertices/concept.h"
 
 namespace glissade {
@@ -72,6 +73,11 @@ class LinearizationTable {
     const auto f = static_cast<std::size_t>(from), t = static_cast<std::size_t>(to);
     has_[t] = has_[f];
     std::copy_n(x_.data() + f * dim_, dim_, x_.data() + t * dim_);
+  }
+  void MakeRoom(std::size_t more) {
+    if (count_ == 0) return;
+    internal::MakeRoomIn(&has_, more);
+    internal::MakeRoomIn(&x_, more * dim_);
   }
   void Resize(int size) {
     if (count_ == 0) return;

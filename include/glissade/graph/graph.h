@@ -129,7 +129,8 @@ class Graph {
   // --- First estimates (first_estimates.h) ---------------------------------------------------
   /// Where solves and marginalizations of this graph linearize.
   [[nodiscard]] FirstEstimates first_estimates() const { return first_estimates_; }
-  void SetFirstEstimates(FirstEstimates mode);
+  /// Refuses what is no FirstEstimates.
+  Status SetFirstEstimates(FirstEstimates mode);
   /// Whether a marginal prior touches the vertex: it then has an x_lin, its value when a prior
   /// first touched it, and keeps it until no prior touches it any more.
   [[nodiscard]] bool HasFirstEstimate(AnyVertex vertex) const;
@@ -159,11 +160,15 @@ class Graph {
   [[nodiscard]] std::vector<AnyEdge> Edges() const;
   /// In the order of the edge's type; kUnknownHandle for a dead handle.
   [[nodiscard]] Result<std::vector<AnyVertex>> VerticesOf(AnyEdge edge) const;
-  /// In the order of Edges(); kUnknownHandle for a dead handle.
+  /// In the order of Edges(); kUnknownHandle for a dead handle. Both take as many steps as the
+  /// vertex has edges, or had since the last solve.
   [[nodiscard]] Result<std::vector<AnyEdge>> EdgesOf(AnyVertex vertex) const;
-  /// f(VertexHandle<V>, const V&) for all, in insertion order; likewise edges.
+  [[nodiscard]] Result<int> NumEdgesOf(AnyVertex vertex) const;
+  /// f(VertexHandle<V>, const V&) for all, in insertion order.
   template <VertexType V, class F>
   void ForEachVertex(F&& f) const;
+  /// f(EdgeHandle<E>, const E&) for all, in insertion order; or, where f takes a third argument,
+  /// f(EdgeHandle<E>, const E&, const EdgeVertexHandles<E>&): a tuple of the edge's vertices.
   template <EdgeType E, class F>
   void ForEachEdge(F&& f) const;
 
@@ -269,6 +274,7 @@ class Graph {
     return id_;
   }
   static std::uint32_t NewId();
+  static std::uint64_t NewIdentity();
   void DropFreeTangent(AnyVertex vertex);
   void EnterFirstEstimate(const VertexSite& site, const double* x_lin);
   void EnterFirstEstimates(const DynamicEdge& edge, std::span<const AnyVertex> vertices);

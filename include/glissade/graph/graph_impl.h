@@ -73,8 +73,9 @@ Result<std::vector<VertexHandle<V>>> Graph::AddVertices(std::span<const V> value
   }
   std::vector<VertexHandle<V>> handles;
   handles.reserve(values.size());
-  StructureChanged();
   VertexPool<V>& pool = MakePool<V>();
+  pool.Reserve(values.size());
+  StructureChanged();
   for (const V& value : values)
     handles.push_back(pool.Add(value, structure_version_, Id()));
   return handles;
@@ -145,7 +146,7 @@ Result<std::vector<EdgeHandle<E>>> Graph::AddEdges(std::span<const E> edges,
     if (status = check(k); !status.ok()) return Refused(std::move(status));
   }
   handles.reserve(edges.size());
-  pool.Reserve(edges.size());
+  pool.Reserve(vertices);
   for (std::size_t k = 0; k < edges.size(); ++k) {
     StructureChanged();
     handles.push_back(pool.Add(edges[k], vertices[k], sqrt.data(), identity, options.loss,
@@ -222,9 +223,8 @@ int Graph::NumVertices() const {
 
 template <EdgeType E>
 int Graph::NumEdges() const {
-  int count = 0;
-  ForEachEdge<E>([&](EdgeHandle<E>, const E&) { ++count; });
-  return count;
+  const EdgePool<E>* pool = Pool<E>();
+  return pool == nullptr ? 0 : pool->slots().NumAlive();
 }
 
 template <VertexType V, class F>
@@ -241,7 +241,12 @@ void Graph::ForEachEdge(F&& f) const {
   const EdgePool<E>* pool = Pool<E>();
   for (int k = 0; pool != nullptr && k < pool->size(); ++k) {
     if (!pool->Alive(k)) continue;
-    f(*pool->HandleAt(k).template As<E>(), pool->At(k));
+    const EdgeHandle<E> handle = *pool->HandleAt(k).template As<E>();
+    if constexpr (std::is_invocable_v<F&, EdgeHandle<E>, const E&, const EdgeVertexHandles<E>&>) {
+      f(handle, pool->At(k), pool->HandlesOf(k));
+    } else {
+      f(handle, pool->At(k));
+    }
   }
 }
 

@@ -2,12 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "glissade/base/handle.h"
 
 namespace glissade::internal {
+
+/// The next `count` calls of push_back() will not allocate.
+template <class T>
+void MakeRoomIn(std::vector<T>* items, std::size_t count = 1) {
+  const std::size_t size = items->size();
+  if (size + count <= items->capacity()) return;
+  items->reserve(std::max({size + count, 2 * size, std::size_t{4}}));
+}
 
 /// Maps stable slots (what handles hold) to dense indices (where values lie).
 ///
@@ -41,18 +51,11 @@ class SlotMap {
   /// stamp: a number that does not fall from one insertion into the graph to the next. graph: the
   /// id of the graph that it is added to, which a copy of this map keeps: what is added to the copy
   /// later has another one, and so other handles than what the original is given. Where memory runs
-  /// out (std::bad_alloc), nothing has been added.
+  /// out (std::bad_alloc), nothing has been added; after MakeRoom() it cannot.
   Address Add(std::uint64_t stamp, std::uint32_t graph) {
-    MakeRoom(&slot_of_index_);
-    MakeRoom(&alive_);
-    MakeRoom(&stamp_);
+    MakeRoom();
     std::uint32_t slot;
     if (free_slots_.empty()) {
-      MakeRoom(&index_of_slot_);
-      MakeRoom(&generation_of_slot_);
-      MakeRoom(&graph_of_slot_);
-      // Room for every slot to be freed: Remove() must not allocate.
-      free_slots_.reserve(index_of_slot_.capacity());
       slot = static_cast<std::uint32_t>(index_of_slot_.size());
       index_of_slot_.push_back(0);
       generation_of_slot_.push_back(0);
@@ -68,6 +71,20 @@ class SlotMap {
     stamp_.push_back(stamp);
     ++num_alive_;
     return {slot, generation_of_slot_[slot]};
+  }
+
+  /// The next `count` calls of Add() will not allocate.
+  void MakeRoom(std::size_t count = 1) {
+    MakeRoomIn(&slot_of_index_, count);
+    MakeRoomIn(&alive_, count);
+    MakeRoomIn(&stamp_, count);
+    if (free_slots_.size() >= count) return;
+    const std::size_t fresh = count - free_slots_.size();
+    MakeRoomIn(&index_of_slot_, fresh);
+    MakeRoomIn(&generation_of_slot_, fresh);
+    MakeRoomIn(&graph_of_slot_, fresh);
+    // Room for every slot to be freed: Remove() must not allocate.
+    free_slots_.reserve(index_of_slot_.capacity());
   }
 
   void Remove(std::uint32_t slot) {
@@ -154,12 +171,6 @@ class SlotMap {
   }
 
  private:
-  /// One push_back() will not allocate.
-  template <class T>
-  static void MakeRoom(std::vector<T>* v) {
-    if (v->size() == v->capacity()) v->reserve(v->empty() ? 4 : 2 * v->size());
-  }
-
   std::vector<std::uint32_t> index_of_slot_;
   std::vector<std::uint32_t> generation_of_slot_;
   std::vector<std::uint32_t> graph_of_slot_;  ///< that its last entry was added to

@@ -84,15 +84,25 @@ class VertexPool final : public VertexPoolBase {
   VertexPool() : VertexPoolBase(kVertexOps<V>) { stride_ = sizeof(V); }
   VertexPool(const VertexPool& other) : VertexPoolBase(other), values_(other.values_) { Rebase(); }
 
-  /// stamp, graph: see SlotMap.
+  /// stamp, graph: see SlotMap. Where memory runs out (std::bad_alloc), nothing has been added.
   VertexHandle<V> Add(const V& value, std::uint64_t stamp, std::uint32_t graph) {
-    const auto address = slots_.Add(stamp, graph);
+    Reserve(1);
     values_.push_back(value);
     fix_.push_back(Fix::kFree);
     eliminated_.push_back(kIsEliminated<V> ? 1 : 0);
+    const auto address = slots_.Add(stamp, graph);
     first_estimates_.Resize(slots_.Size());
     Rebase();
     return {address.slot, address.generation, graph};
+  }
+  /// Room for `count` more: adding them will not allocate.
+  void Reserve(std::size_t count) {
+    slots_.MakeRoom(count);
+    internal::MakeRoomIn(&values_, count);
+    Rebase();
+    internal::MakeRoomIn(&fix_, count);
+    internal::MakeRoomIn(&eliminated_, count);
+    first_estimates_.MakeRoom(count);
   }
 
   [[nodiscard]] const V& At(int index) const { return values_[static_cast<std::size_t>(index)]; }
@@ -108,6 +118,7 @@ class VertexPool final : public VertexPoolBase {
   void Restore() override { values_ = saved_; }
 
   void Compact() override {
+    if (slots_.NumAlive() == size()) return;
     slots_.Compact([this](int from, int to) {
       const auto f = static_cast<std::size_t>(from), t = static_cast<std::size_t>(to);
       values_[t] = values_[f];

@@ -68,6 +68,13 @@ class VertexChecker {
     CheckMinus(y, x_, delta, "(x boxplus d) boxminus x = d");
     double back[kTangent];
     y.Minus(x_, back);
+    if constexpr (kIsAdditive<V>) {
+      double sum[kTangent];
+      for (int i = 0; i < kTangent; ++i)
+        sum[i] = x_.Data()[i] + delta[i];
+      Record(Difference(y.Data(), sum, kTangent), "kAdditive: x boxplus d = x + d");
+    }
+    if constexpr (VertexHasMinusJacobian<V>) CheckMinusJacobian(y);
     V again = x_;
     again.Plus(back);
     const double zero[kTangent] = {};
@@ -80,6 +87,27 @@ class VertexChecker {
         Fail("Validate refuses x boxplus d: " + status.message());
       }
     }
+  }
+
+  /// Against differences of fourth order, good to about 1e-12.
+  void CheckMinusJacobian(const V& y) {
+    constexpr double kStep = 1e-3;
+    constexpr double kWeights[] = {1.0 / 12, -2.0 / 3, 0.0, 2.0 / 3, -1.0 / 12};
+    double D[kTangent * kTangent], expected[kTangent * kTangent] = {};
+    std::fill_n(D, kTangent * kTangent, kNan);
+    y.MinusJacobian(x_, D);
+    for (int c = 0; c < kTangent; ++c) {
+      for (int at = -2; at <= 2; ++at) {
+        double step[kTangent] = {}, value[kTangent];
+        step[c] = at * kStep;
+        V moved = y;
+        moved.Plus(step);
+        moved.Minus(x_, value);
+        for (int r = 0; r < kTangent; ++r)
+          expected[r * kTangent + c] += kWeights[at + 2] / kStep * value[r];
+      }
+    }
+    Record(Difference(D, expected, kTangent * kTangent), "MinusJacobian = d(x boxminus x0)/dx");
   }
 
   void CheckMinus(const V& a, const V& b, const double* expected, const char* axiom) {
@@ -140,7 +168,7 @@ class VertexChecker {
 /// Checks the axioms of a vertex type (vertices/concept.h) around the state x for random tangent
 /// vectors d of many sizes: x boxplus 0 = x, x boxminus x = 0, (x boxplus d) boxminus x = d,
 /// x boxplus (y boxminus x) = y, every output written, and Validate() (if there is one) content
-/// with every state reached.
+/// with every state reached; and that kAdditive and MinusJacobian(), if they are there, are true.
 template <VertexType V>
 VertexCheck CheckVertexAxioms(const V& x, const VertexCheckOptions& options = {}) {
   return internal::VertexChecker<V>(x, options).Run();

@@ -14,6 +14,7 @@ namespace glissade {
 struct VertexCameraBal {
   static constexpr int kAmbientDim = 9;
   static constexpr int kTangentDim = 9;
+  static constexpr bool kAdditive = true;
 
   double data[9] = {};
 

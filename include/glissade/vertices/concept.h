@@ -23,10 +23,15 @@
 ///       Status Validate() const;                     // optional: refuse an impossible state
 ///       static constexpr int kFirstEstimateSize = 4; // optional: so many of the leading numbers
 ///                                                    //   of the state move with the gauge
+///       static constexpr bool kAdditive = false;     // optional, true: x boxplus d is x + d,
+///                                                    //   x boxminus x0 is x - x0
+///       void MinusJacobian(const VertexPlane& x0, double* D) const;  // optional: D =
+///                                 //   d((x boxplus d) boxminus x0)/dd at d = 0, row-major
+///                                 //   kTangentDim x kTangentDim; else by differences
 ///     };
 ///
-/// Axioms (CheckVertexAxioms in testing.h): (x boxplus 0) = x, x boxplus (y boxminus x) = y,
-/// (x boxplus d) boxminus x = d for small d.
+/// Axioms (CheckVertexAxioms in testing.h, which checks the two last as well): (x boxplus 0) = x,
+/// x boxplus (y boxminus x) = y, (x boxplus d) boxminus x = d for small d.
 namespace glissade {
 
 // clang-format 14 takes concepts apart.
@@ -78,6 +83,18 @@ inline constexpr int kFirstEstimateSizeOf = [] {
   }
 }();
 
+/// Whether a vertex type declares that boxplus is a sum.
+template <class V>
+inline constexpr bool kIsAdditive = [] {
+  if constexpr (requires { V::kAdditive; }) {
+    static_assert(!V::kAdditive || V::kAmbientDim == V::kTangentDim,
+                  "a sum has as many numbers as its terms");
+    return bool(V::kAdditive);
+  } else {
+    return false;
+  }
+}();
+
 /// A vertex type at run time: its name, dimensions and manifold, as functions on raw states.
 struct VertexOps {
   const TypeInfo* type;
@@ -87,8 +104,11 @@ struct VertexOps {
   /// How many of the leading numbers of the state a linearization point replaces where first
   /// estimates are kept (graph/first_estimates.h): those that move with the gauge.
   int first_estimate_size;
+  bool additive;  ///< boxplus is a sum
   void (*plus)(const double* x, const double* delta, double* x_plus_delta);
   void (*minus)(const double* x, const double* x0, double* delta);
+  /// Null where the type has none (of an additive one it is the identity).
+  void (*minus_jacobian)(const double* x, const double* x0, double* D);
   /// Refuses a state that is not finite, or that the type's Validate() refuses.
   Status (*validate)(const double* x);
 };
@@ -113,6 +133,24 @@ V VertexFromData(const double* x) {
   std::memcpy(v.Data(), x, sizeof(double) * V::kAmbientDim);
   return v;
 }
+
+/// Its own: what a type inherits need not fit the Minus() it has overridden.
+template <class V>
+concept VertexHasMinusJacobian = requires {
+  static_cast<void (V::*)(const V&, double*) const>(&V::MinusJacobian);
+};
+
+using MinusJacobianFunction = void (*)(const double* x, const double* x0, double* D);
+template <VertexType V>
+constexpr MinusJacobianFunction MinusJacobianOf() {
+  if constexpr (VertexHasMinusJacobian<V>) {
+    return [](const double* x, const double* x0, double* D) {
+      VertexFromData<V>(x).MinusJacobian(VertexFromData<V>(x0), D);
+    };
+  } else {
+    return nullptr;
+  }
+}
 }  // namespace internal
 
 template <VertexType V>
@@ -122,6 +160,7 @@ inline constexpr VertexOps kVertexOps{
     V::kTangentDim,
     kIsEliminated<V>,
     kFirstEstimateSizeOf<V>,
+    kIsAdditive<V>,
     [](const double* x, const double* delta, double* out) {
       V v = internal::VertexFromData<V>(x);
       v.Plus(delta);
@@ -130,6 +169,7 @@ inline constexpr VertexOps kVertexOps{
     [](const double* x, const double* x0, double* delta) {
       internal::VertexFromData<V>(x).Minus(internal::VertexFromData<V>(x0), delta);
     },
+    internal::MinusJacobianOf<V>(),
     [](const double* x) -> Status {
       if (Status s = ValidateFinite(x, V::kAmbientDim, kTypeInfo<V>.name); !s.ok()) return s;
       return internal::ValidateIfPossible(internal::VertexFromData<V>(x));

@@ -12,6 +12,7 @@ struct VertexInverseDepth {
   static constexpr int kAmbientDim = 1;
   static constexpr int kTangentDim = 1;
   static constexpr bool kEliminated = true;
+  static constexpr bool kAdditive = true;
 
   double rho = 0.0;
 

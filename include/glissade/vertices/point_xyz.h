@@ -13,6 +13,7 @@ struct VertexPointXYZ {
   static constexpr int kTangentDim = 3;
   static constexpr int kFirstEstimateSize = 3;
   static constexpr bool kEliminated = true;
+  static constexpr bool kAdditive = true;
 
   double data[3] = {0.0, 0.0, 0.0};
 

@@ -46,6 +46,9 @@ struct VertexPose {
       delta[3 + i] = dtheta[i];
   }
 
+  /// Identity, and Jr^-1(Log(q0^-1 q)) for the rotation.
+  void MinusJacobian(const VertexPose& x0, double* D) const;
+
   [[nodiscard]] Status Validate() const { return ValidatePose(pose.data, "pose"); }
 };
 

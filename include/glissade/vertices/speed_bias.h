@@ -12,6 +12,7 @@ namespace glissade {
 struct VertexSpeedBias {
   static constexpr int kAmbientDim = 9;
   static constexpr int kTangentDim = 9;
+  static constexpr bool kAdditive = true;
   static constexpr int kFirstEstimateSize = 3;  // v; biases do not move with the gauge
 
   double data[9] = {};

@@ -14,6 +14,7 @@ struct VertexVector {
   static_assert(N >= 1);
   static constexpr int kAmbientDim = N;
   static constexpr int kTangentDim = N;
+  static constexpr bool kAdditive = true;
 
   std::array<double, N> value{};
 

@@ -38,6 +38,8 @@ MISTAKES = {
         "Expected = glissade::expected::Braces<glissade::VertexHandle<glissade::VertexPose>, "
         "glissade::VertexHandle<glissade::VertexPose>, "
         "glissade::VertexHandle<glissade::VertexInverseDepth> >"),
+    "RELATIVE_POSE_OF_A_POINT": ("vertices 0 and 1 must be of type VertexPose for kRelativePose",
+                                 "EdgeRange"),
     "VERTEX_WITHOUT_CONST_DATA": ("`const double* Data() const`", "VertexScale"),
 }
 

@@ -23,6 +23,7 @@ using namespace glissade;
 #define ANY_HANDLE 11
 #define SWAPPED_HANDLES_BUILT_IN 12
 #define VERTEX_WITHOUT_CONST_DATA 13
+#define RELATIVE_POSE_OF_A_POINT 14
 #ifndef MISTAKE
 #define MISTAKE RIGHT
 #endif
@@ -35,6 +36,9 @@ struct EdgeRange {
   static constexpr int kResidualDim = 1;
 #endif
   double measured = 0.0;
+#if MISTAKE == RELATIVE_POSE_OF_A_POINT
+  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
+#endif
 
 #if MISTAKE == RETURNS_VOID
   void
