@@ -24,6 +24,7 @@ struct EdgeBal {
 
   Vector2 uv = Vector2::Zero();  ///< px, origin at the image centre
 
+  template <int = 0>
   bool Evaluate(const VertexCameraBal& camera, const VertexPointXYZ& point, Vector2& r,
                 Jacobian<2, 9>* d_r_d_camera, Jacobian<2, 3>* d_r_d_point) const {
     const double* c = camera.data;
@@ -72,6 +73,7 @@ struct EdgeBal {
   [[nodiscard]] bool SameSensor(const EdgeBal&) const { return true; }
 
   /// Distance along the viewing direction, -P.z.
+  template <int = 0>
   [[nodiscard]] double Depth(const VertexCameraBal& camera, const VertexPointXYZ& point) const {
     const double* c = camera.data;
     return -(so3::Exp(Vector3(c[0], c[1], c[2])).row(2).dot(point.p().transpose()) + c[5]);

@@ -44,10 +44,9 @@ class EdgePool final : public EdgePoolBase {
   using SqrtInformation = SquareMatrix<kRows>;
   using VertexSlots = std::array<std::uint32_t, kArity>;
 
-  explicit EdgePool(const Pools& pools)
-      : EdgePoolBase(&kTypeInfo<E>, kEdgeTraits<E>, kArity), pools_(pools) {
-    ForEachIndex<kArity>([&](auto i) { lists_.ColumnOf(std::get<i>(pools_)); });
-  }
+  // What adding needs is defined below and not inline: with pools of built-in types compiled in the
+  // library (builtin_pools.h), a consumer's unit then compiles nothing of them.
+  explicit EdgePool(const Pools& pools);
 
   // No Eigen type in any public signature: pools of built-in edges are compiled in the library
   // only (builtin_pools.h), which knows Eigen under another name.
@@ -55,55 +54,11 @@ class EdgePool final : public EdgePoolBase {
   /// the edge throws, nothing has been added.
   EdgeHandle<E> Add(const E& edge, const EdgeVertexHandles<E>& vertices,
                     const double* sqrt_information, bool identity, const Loss& loss,
-                    std::uint64_t stamp, std::uint32_t graph) {
-    Reserve(std::span(&vertices, 1));
-    VertexSlots slots;
-    ForEachIndex<kArity>([&](auto i) { slots[i] = std::get<i>(vertices).slot; });
-    const std::uint32_t loss_index = FindOrAddLoss(loss);
-    edges_.push_back(edge);
-    vertices_.push_back(slots);
-    sqrt_information_.emplace_back(sqrt_information);
-    identity_.push_back(identity ? 1 : 0);
-    loss_of_edge_.push_back(loss_index);
-    const auto address = slots_.Add(stamp, graph);
-    Link(size() - 1);
-    return {address.slot, address.generation, graph};
-  }
-
+                    std::uint64_t stamp, std::uint32_t graph);
   /// All alive, all different, at most one of them eliminated.
-  [[nodiscard]] bool CanJoin(const EdgeVertexHandles<E>& vertices) const {
-    int eliminated = 0;
-    bool ok = true;
-    ForEachIndex<kArity>([&](auto i) {
-      const auto& vertex = std::get<i>(vertices);
-      const auto* pool = std::get<i>(pools_);
-      ok = ok && pool->slots().Contains(vertex);
-      if (ok && pool->eliminated(pool->slots().IndexOf(vertex.slot))) ++eliminated;
-      ForEachIndex<i>([&](auto j) {
-        if constexpr (std::is_same_v<EdgeVertex<E, i>, EdgeVertex<E, j>>) {
-          ok = ok && vertex.slot != std::get<j>(vertices).slot;
-        }
-      });
-    });
-    return ok && eliminated <= 1;
-  }
+  [[nodiscard]] bool CanJoin(const EdgeVertexHandles<E>& vertices) const;
   /// Room for edges on these vertices: adding them will not allocate.
-  void Reserve(std::span<const EdgeVertexHandles<E>> vertices) {
-    const std::size_t count = vertices.size();
-    slots_.MakeRoom(count);
-    internal::MakeRoomIn(&edges_, count);
-    internal::MakeRoomIn(&vertices_, count);
-    internal::MakeRoomIn(&sqrt_information_, count);
-    internal::MakeRoomIn(&identity_, count);
-    internal::MakeRoomIn(&loss_of_edge_, count);
-    lists_.MakeRoomForLinks(kArity * count);
-    ForEachIndex<kArity>([&](auto i) {
-      std::uint32_t last = 0;
-      for (const EdgeVertexHandles<E>& of_edge : vertices)
-        last = std::max(last, std::get<i>(of_edge).slot);
-      lists_.MakeRoom(kColumn[i], last);
-    });
-  }
+  void Reserve(std::span<const EdgeVertexHandles<E>> vertices);
 
   [[nodiscard]] const E& At(int edge) const { return edges_[Index(edge)]; }
   [[nodiscard]] E& At(int edge) { return edges_[Index(edge)]; }
@@ -375,6 +330,66 @@ class EdgePool final : public EdgePoolBase {
   std::vector<SqrtInformation> sqrt_information_;
   std::vector<std::uint8_t> identity_;
 };
+
+template <EdgeType E>
+EdgePool<E>::EdgePool(const Pools& pools)
+    : EdgePoolBase(&kTypeInfo<E>, kEdgeTraits<E>, kArity), pools_(pools) {
+  ForEachIndex<kArity>([&](auto i) { lists_.ColumnOf(std::get<i>(pools_)); });
+}
+
+template <EdgeType E>
+EdgeHandle<E> EdgePool<E>::Add(const E& edge, const EdgeVertexHandles<E>& vertices,
+                               const double* sqrt_information, bool identity, const Loss& loss,
+                               std::uint64_t stamp, std::uint32_t graph) {
+  Reserve(std::span(&vertices, 1));
+  VertexSlots slots;
+  ForEachIndex<kArity>([&](auto i) { slots[i] = std::get<i>(vertices).slot; });
+  const std::uint32_t loss_index = FindOrAddLoss(loss);
+  edges_.push_back(edge);
+  vertices_.push_back(slots);
+  sqrt_information_.emplace_back(sqrt_information);
+  identity_.push_back(identity ? 1 : 0);
+  loss_of_edge_.push_back(loss_index);
+  const auto address = slots_.Add(stamp, graph);
+  Link(size() - 1);
+  return {address.slot, address.generation, graph};
+}
+
+template <EdgeType E>
+bool EdgePool<E>::CanJoin(const EdgeVertexHandles<E>& vertices) const {
+  int eliminated = 0;
+  bool ok = true;
+  ForEachIndex<kArity>([&](auto i) {
+    const auto& vertex = std::get<i>(vertices);
+    const auto* pool = std::get<i>(pools_);
+    ok = ok && pool->slots().Contains(vertex);
+    if (ok && pool->eliminated(pool->slots().IndexOf(vertex.slot))) ++eliminated;
+    ForEachIndex<i>([&](auto j) {
+      if constexpr (std::is_same_v<EdgeVertex<E, i>, EdgeVertex<E, j>>) {
+        ok = ok && vertex.slot != std::get<j>(vertices).slot;
+      }
+    });
+  });
+  return ok && eliminated <= 1;
+}
+
+template <EdgeType E>
+void EdgePool<E>::Reserve(std::span<const EdgeVertexHandles<E>> vertices) {
+  const std::size_t count = vertices.size();
+  slots_.MakeRoom(count);
+  internal::MakeRoomIn(&edges_, count);
+  internal::MakeRoomIn(&vertices_, count);
+  internal::MakeRoomIn(&sqrt_information_, count);
+  internal::MakeRoomIn(&identity_, count);
+  internal::MakeRoomIn(&loss_of_edge_, count);
+  lists_.MakeRoomForLinks(kArity * count);
+  ForEachIndex<kArity>([&](auto i) {
+    std::uint32_t last = 0;
+    for (const EdgeVertexHandles<E>& of_edge : vertices)
+      last = std::max(last, std::get<i>(of_edge).slot);
+    lists_.MakeRoom(kColumn[i], last);
+  });
+}
 
 }  // namespace glissade
 

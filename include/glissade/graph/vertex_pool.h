@@ -81,29 +81,15 @@ class VertexPoolBase {
 template <VertexType V>
 class VertexPool final : public VertexPoolBase {
  public:
-  VertexPool() : VertexPoolBase(kVertexOps<V>) { stride_ = sizeof(V); }
+  // What adding needs is defined below and not inline: with pools of built-in types compiled in the
+  // library (builtin_vertices.h), a consumer's unit then compiles nothing of them.
+  VertexPool();
   VertexPool(const VertexPool& other) : VertexPoolBase(other), values_(other.values_) { Rebase(); }
 
   /// stamp, graph: see SlotMap. Where memory runs out (std::bad_alloc), nothing has been added.
-  VertexHandle<V> Add(const V& value, std::uint64_t stamp, std::uint32_t graph) {
-    Reserve(1);
-    values_.push_back(value);
-    fix_.push_back(Fix::kFree);
-    eliminated_.push_back(kIsEliminated<V> ? 1 : 0);
-    const auto address = slots_.Add(stamp, graph);
-    first_estimates_.Resize(slots_.Size());
-    Rebase();
-    return {address.slot, address.generation, graph};
-  }
+  VertexHandle<V> Add(const V& value, std::uint64_t stamp, std::uint32_t graph);
   /// Room for `count` more: adding them will not allocate.
-  void Reserve(std::size_t count) {
-    slots_.MakeRoom(count);
-    internal::MakeRoomIn(&values_, count);
-    Rebase();
-    internal::MakeRoomIn(&fix_, count);
-    internal::MakeRoomIn(&eliminated_, count);
-    first_estimates_.MakeRoom(count);
-  }
+  void Reserve(std::size_t count);
 
   [[nodiscard]] const V& At(int index) const { return values_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] V& At(int index) { return values_[static_cast<std::size_t>(index)]; }
@@ -146,5 +132,32 @@ class VertexPool final : public VertexPoolBase {
   std::vector<V> values_;
   std::vector<V> saved_;
 };
+
+template <VertexType V>
+VertexPool<V>::VertexPool() : VertexPoolBase(kVertexOps<V>) {
+  stride_ = sizeof(V);
+}
+
+template <VertexType V>
+VertexHandle<V> VertexPool<V>::Add(const V& value, std::uint64_t stamp, std::uint32_t graph) {
+  Reserve(1);
+  values_.push_back(value);
+  fix_.push_back(Fix::kFree);
+  eliminated_.push_back(kIsEliminated<V> ? 1 : 0);
+  const auto address = slots_.Add(stamp, graph);
+  first_estimates_.Resize(slots_.Size());
+  Rebase();
+  return {address.slot, address.generation, graph};
+}
+
+template <VertexType V>
+void VertexPool<V>::Reserve(std::size_t count) {
+  slots_.MakeRoom(count);
+  internal::MakeRoomIn(&values_, count);
+  Rebase();
+  internal::MakeRoomIn(&fix_, count);
+  internal::MakeRoomIn(&eliminated_, count);
+  first_estimates_.MakeRoom(count);
+}
 
 }  // namespace glissade
