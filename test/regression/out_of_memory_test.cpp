@@ -162,10 +162,9 @@ TEST_F(OutOfMemory, OfAMarginalizationIsAStatusAndTheNextOneWorks) {
 /// Each allocation of add(graph) fails in turn. What it throws leaves the graph as it was, and
 /// adding again does what it would have done.
 template <class Add>
-void FailEachAdd(Add&& add) {
+void FailEachAdd(const Problem& original, Add&& add) {
   for (int number = 0; number < 200; ++number) {
-    Problem problem = MakeProblem();
-    Problem reference = problem.Clone();
+    Problem problem = original.Clone(), reference = original.Clone();
     const Snapshot before = problem.GetSnapshot();
     const int edges = problem.NumEdges();
     const std::vector<AnyVertex> vertices = problem.Vertices();
@@ -203,13 +202,13 @@ TEST_F(OutOfMemory, OfAddingLeavesTheGraphAsItWas) {
   const auto pose = [&](std::size_t k) { return *vertices[k].As<VertexPose>(); };
   const auto depth = *vertices[7].As<VertexInverseDepth>();
   // Enough of them that every array has to grow.
-  FailEachAdd([](Problem* p) {
+  FailEachAdd(original, [](Problem* p) {
     return p->AddVertices(std::span<const VertexPose>(std::vector<VertexPose>(100))).status();
   });
-  FailEachAdd([](Problem* p) {
+  FailEachAdd(original, [](Problem* p) {
     return p->AddVertices(std::span<const VertexPointXYZ>(std::vector<VertexPointXYZ>(5))).status();
   });
-  FailEachAdd([&](Problem* p) {
+  FailEachAdd(original, [&](Problem* p) {
     const std::vector<EdgeReprojection> edges(500);
     const std::vector<EdgeVertexHandles<EdgeReprojection>> on(500, {pose(0), pose(1), depth});
     return p
@@ -217,11 +216,11 @@ TEST_F(OutOfMemory, OfAddingLeavesTheGraphAsItWas) {
                    std::span<const EdgeVertexHandles<EdgeReprojection>>(on))
         .status();
   });
-  FailEachAdd([&](Problem* p) {
+  FailEachAdd(original, [&](Problem* p) {
     return p->AddEdge(EdgeReprojection(), {pose(0), pose(1), depth}).status();
   });
-  FailEachAdd([&](Problem* p) { return p->AddEdge(EdgeSE3Prior(), {pose(1)}).status(); });
-  FailEachAdd([](Problem* p) { return p->AddVertex(VertexPose()).status(); });
+  FailEachAdd(original, [&](Problem* p) { return p->AddEdge(EdgeSE3Prior(), {pose(1)}).status(); });
+  FailEachAdd(original, [](Problem* p) { return p->AddVertex(VertexPose()).status(); });
 }
 
 TEST_F(OutOfMemory, OfTheStepApiAndOfACovarianceIsAStatus) {
