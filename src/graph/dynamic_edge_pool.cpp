@@ -37,6 +37,7 @@ EdgeHandle<DynamicEdge> DynamicEdgePool::Add(std::unique_ptr<DynamicEdge> edge,
   for (const Vertex& vertex : vertices)
     lists_.MakeRoom(lists_.ColumnOf(vertex.pool), vertex.slot);
   lists_.MakeRoomForLinks(vertices.size());
+  slots_.MakeRoom();
   const auto address = slots_.Add(stamp, graph);
   items_.push_back(std::move(item));
   loss_of_edge_.push_back(loss_index);

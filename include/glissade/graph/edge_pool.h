@@ -50,8 +50,8 @@ class EdgePool final : public EdgePoolBase {
 
   // No Eigen type in any public signature: pools of built-in edges are compiled in the library
   // only (builtin_pools.h), which knows Eigen under another name.
-  /// sqrt_information: kRows x kRows, row-major. Where memory runs out (std::bad_alloc), or copying
-  /// the edge throws, nothing has been added.
+  /// sqrt_information: kRows x kRows, row-major. Reserve() comes first; where the copy of the edge
+  /// or of a new loss throws nonetheless, nothing has been added.
   EdgeHandle<E> Add(const E& edge, const EdgeVertexHandles<E>& vertices,
                     const double* sqrt_information, bool identity, const Loss& loss,
                     std::uint64_t stamp, std::uint32_t graph);
@@ -256,16 +256,17 @@ class EdgePool final : public EdgePoolBase {
 
   /// Which column of lists_ the vertices of each argument have: one for each type.
   static constexpr std::array<int, kArity> kColumn = [] {
-    std::array<const TypeInfo*, kArity> types{};
-    ForEachIndex<kArity>([&](auto i) { types[i] = &kTypeInfo<EdgeVertex<E, i>>; });
     std::array<int, kArity> column{};
     int count = 0;
-    for (std::size_t i = 0; i < types.size(); ++i) {
-      std::size_t first = 0;
-      while (types[first] != types[i])
-        ++first;
-      column[i] = first < i ? column[first] : count++;
-    }
+    ForEachIndex<kArity>([&](auto i) {
+      int first = -1;
+      ForEachIndex<i>([&](auto j) {
+        if constexpr (std::is_same_v<EdgeVertex<E, i>, EdgeVertex<E, j>>) {
+          if (first < 0) first = column[j];
+        }
+      });
+      column[i] = first >= 0 ? first : count++;
+    });
     return column;
   }();
 
@@ -341,7 +342,6 @@ template <EdgeType E>
 EdgeHandle<E> EdgePool<E>::Add(const E& edge, const EdgeVertexHandles<E>& vertices,
                                const double* sqrt_information, bool identity, const Loss& loss,
                                std::uint64_t stamp, std::uint32_t graph) {
-  Reserve(std::span(&vertices, 1));
   VertexSlots slots;
   ForEachIndex<kArity>([&](auto i) { slots[i] = std::get<i>(vertices).slot; });
   const std::uint32_t loss_index = FindOrAddLoss(loss);

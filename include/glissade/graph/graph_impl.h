@@ -60,7 +60,9 @@ Result<VertexHandle<V>> Graph::AddVertex(const V& value) {
   } else {
     if (Status status = CheckVertex(value); !status.ok()) return Refused(std::move(status));
     StructureChanged();
-    return MakePool<V>().Add(value, structure_version_, Id());
+    VertexPool<V>& pool = MakePool<V>();
+    pool.Reserve(1);
+    return pool.Add(value, structure_version_, Id());
   }
 }
 
@@ -107,8 +109,10 @@ requires(!std::is_constructible_v<std::unique_ptr<DynamicEdge>, E>)
     if (status.ok()) status = CheckOptions(options, &sqrt, &identity);
     if (!status.ok()) return Refused(std::move(status));
     StructureChanged();
-    return MakeEdgePool<E>().Add(edge, vertices.handles(), sqrt.data(), identity, options.loss,
-                                 structure_version_, Id());
+    EdgePool<E>& pool = MakeEdgePool<E>();
+    pool.Reserve(std::span(&vertices.handles(), 1));
+    return pool.Add(edge, vertices.handles(), sqrt.data(), identity, options.loss,
+                    structure_version_, Id());
   }
 }
 

@@ -11,12 +11,17 @@
 
 namespace glissade::internal {
 
-/// The next `count` calls of push_back() will not allocate.
 template <class T>
-void MakeRoomIn(std::vector<T>* items, std::size_t count = 1) {
-  const std::size_t size = items->size();
-  if (size + count <= items->capacity()) return;
-  items->reserve(std::max({size + count, 2 * size, std::size_t{4}}));
+void GrowBy(std::vector<T>* items, std::size_t count) {
+  const std::size_t least = items->size() + count, twice = 2 * items->size();
+  items->reserve(std::max(std::max(least, twice), std::size_t{4}));
+}
+
+/// The next `count` calls of push_back() will not allocate. Growing is a call of its own, so that
+/// the question alone is compiled into the loops that add.
+template <class T>
+inline void MakeRoomIn(std::vector<T>* items, std::size_t count = 1) {
+  if (items->capacity() - items->size() < count) GrowBy(items, count);
 }
 
 /// Maps stable slots (what handles hold) to dense indices (where values lie).
@@ -50,10 +55,9 @@ class SlotMap {
 
   /// stamp: a number that does not fall from one insertion into the graph to the next. graph: the
   /// id of the graph that it is added to, which a copy of this map keeps: what is added to the copy
-  /// later has another one, and so other handles than what the original is given. Where memory runs
-  /// out (std::bad_alloc), nothing has been added; after MakeRoom() it cannot.
+  /// later has another one, and so other handles than what the original is given. MakeRoom() comes
+  /// first: this does not allocate.
   Address Add(std::uint64_t stamp, std::uint32_t graph) {
-    MakeRoom();
     std::uint32_t slot;
     if (free_slots_.empty()) {
       slot = static_cast<std::uint32_t>(index_of_slot_.size());

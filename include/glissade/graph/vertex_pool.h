@@ -86,7 +86,7 @@ class VertexPool final : public VertexPoolBase {
   VertexPool();
   VertexPool(const VertexPool& other) : VertexPoolBase(other), values_(other.values_) { Rebase(); }
 
-  /// stamp, graph: see SlotMap. Where memory runs out (std::bad_alloc), nothing has been added.
+  /// stamp, graph: see SlotMap. Reserve() comes first, and all that can run out of memory with it.
   VertexHandle<V> Add(const V& value, std::uint64_t stamp, std::uint32_t graph);
   /// Room for `count` more: adding them will not allocate.
   void Reserve(std::size_t count);
@@ -140,7 +140,6 @@ VertexPool<V>::VertexPool() : VertexPoolBase(kVertexOps<V>) {
 
 template <VertexType V>
 VertexHandle<V> VertexPool<V>::Add(const V& value, std::uint64_t stamp, std::uint32_t graph) {
-  Reserve(1);
   values_.push_back(value);
   fix_.push_back(Fix::kFree);
   eliminated_.push_back(kIsEliminated<V> ? 1 : 0);
