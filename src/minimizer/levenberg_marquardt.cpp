@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "minimizer/step_strategy.h"
 
@@ -42,7 +43,7 @@ void LevenbergMarquardtStrategy::Start() {
     const double largest = w_.equations.MaxDiagonal();
     if (largest > 0.0) scale_ = largest;
   }
-  lambda_ *= scale_;
+  lambda_ = std::min(lambda_ * scale_, std::numeric_limits<double>::max());
 }
 
 StepStrategy::Outcome LevenbergMarquardtStrategy::ComputeStep() {
@@ -74,9 +75,10 @@ void LevenbergMarquardtStrategy::Lower(double gain_ratio, double most) {
 bool LevenbergMarquardtStrategy::Rejected() {
   // From no damping at all there must be a way up.
   constexpr double kLeast = 1e-15;
-  lambda_ = nu_ * std::max({lambda_, options_.min_lambda, kLeast * scale_});
+  const double more = nu_ * std::max({lambda_, options_.min_lambda, kLeast * scale_});
   nu_ *= 2.0;
-  return lambda_ <= options_.max_lambda && std::isfinite(lambda_);
+  lambda_ = std::min(more, std::numeric_limits<double>::max());
+  return more <= options_.max_lambda && std::isfinite(more);
 }
 
 }  // namespace glissade

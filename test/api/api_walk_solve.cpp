@@ -54,10 +54,11 @@ void ApiWalk::Solve() {
   Check(std::isfinite(summary.initial_cost) && std::isfinite(summary.final_cost), "cost");
   Check(summary.final_cost <= summary.initial_cost * (1.0 + 1e-9), "the cost has risen");
   for (const IterationSummary& it : summary.iterations) {
-    Check(std::isfinite(it.cost) && std::isfinite(it.step_norm) && std::isfinite(it.gradient_max) &&
-              std::isfinite(it.cost_change) && std::isfinite(it.gain_ratio) &&
-              std::isfinite(it.lambda),
-          "an iteration's numbers");
+    Check(std::isfinite(it.cost) && std::isfinite(it.cost_change), "an iteration's cost");
+    Check(std::isfinite(it.step_norm), "an iteration's step");
+    Check(std::isfinite(it.gradient_max), "an iteration's gradient");
+    Check(std::isfinite(it.gain_ratio), "an iteration's gain ratio");
+    Check(std::isfinite(it.lambda), "an iteration's lambda");
   }
   // A gauge prior has a cost of its own; the fused path rounds otherwise, at any order of
   // magnitude.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "glissade/problem/problem.h"
@@ -68,6 +69,31 @@ TEST(Overflow, OfTheGradientAfterAStepIsNoNumberOfAnIteration) {
     EXPECT_TRUE(std::isfinite(iteration.cost));
     EXPECT_TRUE(std::isfinite(iteration.gradient_max));
   }
+}
+
+/// So steep that its square is no number: no damping helps.
+struct EdgeTooSteep {
+  using Vertices = VertexList<VertexVector<1>>;
+  static constexpr int kResidualDim = 1;
+  bool Evaluate(const VertexVector<1>&, Vector<1>& r, Jacobian<1, 1>* d_r_d_x) const {
+    r[0] = 1.0;
+    if (d_r_d_x != nullptr) (*d_r_d_x)(0, 0) = 1e160;
+    return true;
+  }
+};
+
+TEST(Overflow, OfTheDampingIsNoNumberOfAnIteration) {
+  Problem problem;
+  const auto x = problem.AddVertex(VertexVector<1>{}).value();
+  ASSERT_TRUE(problem.AddEdge(EdgeTooSteep{}, {x}).ok());
+  SolveOptions options;
+  options.max_iterations = 1000;
+  options.max_lambda = std::numeric_limits<double>::max();
+  const SolveSummary& summary = problem.Solve(options);
+  EXPECT_FALSE(summary.ok());
+  EXPECT_GT(summary.iterations.size(), 10U);
+  for (const IterationSummary& iteration : summary.iterations)
+    EXPECT_TRUE(std::isfinite(iteration.lambda));
 }
 
 TEST(Overflow, OfASumIsAStatus) {
