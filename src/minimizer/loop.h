@@ -109,9 +109,12 @@ class Minimizer {
     }
     if (summary_.iterations.empty()) cost_ = cost;
     gradient_ = w_.equations.MaxGradient();
-    if (!std::isfinite(gradient_)) {
+    // Squares of Jacobians that overflow would make any gradient a small one.
+    const bool finite = std::isfinite(w_.equations.MaxDiagonal());
+    if (!finite || !std::isfinite(gradient_)) {
+      Fail({StatusCode::kNotFinite, finite ? "the gradient is not finite"
+                                           : "J'J is not finite: the Jacobians are too large"});
       gradient_ = 0.0;
-      Fail({StatusCode::kNotFinite, "the gradient is not finite"});
       return false;
     }
     return true;

@@ -71,7 +71,7 @@ TEST(Overflow, OfTheGradientAfterAStepIsNoNumberOfAnIteration) {
   }
 }
 
-/// So steep that its square is no number: no damping helps.
+/// So steep that the square is no number.
 struct EdgeTooSteep {
   using Vertices = VertexList<VertexVector<1>>;
   static constexpr int kResidualDim = 1;
@@ -82,11 +82,33 @@ struct EdgeTooSteep {
   }
 };
 
-TEST(Overflow, OfTheDampingIsNoNumberOfAnIteration) {
+// It was "converged", at the start: no gradient counts beside an infinite curvature.
+TEST(Overflow, OfTheCurvatureIsNoConvergence) {
   Problem problem;
   const auto x = problem.AddVertex(VertexVector<1>{}).value();
   ASSERT_TRUE(problem.AddEdge(EdgeTooSteep{}, {x}).ok());
+  const SolveSummary& summary = problem.Solve();
+  EXPECT_EQ(summary.status.code(), StatusCode::kNotFinite) << summary.BriefReport();
+}
+
+/// Has no solution, whatever the damping.
+class HopelessSolver final : public LinearSolver {
+ public:
+  SchurForm Form(const SchurLayout&) override { return SchurForm::kDense; }
+  LinearSolverResult Prepare(const SchurOperator&) override { return {}; }
+  LinearSolverResult Solve(const SchurOperator&, const double*, double*,
+                           const SolveRequest&) override {
+    return {};
+  }
+};
+
+TEST(Overflow, OfTheDampingIsNoNumberOfAnIteration) {
+  Problem problem;
+  const auto pose = problem.AddVertex(VertexPose()).value();
+  ASSERT_TRUE(problem.AddEdge(PriorAt(1.0), {pose}).ok());
+  HopelessSolver solver;
   SolveOptions options;
+  options.linear_solver = &solver;
   options.max_iterations = 1000;
   options.max_lambda = std::numeric_limits<double>::max();
   const SolveSummary& summary = problem.Solve(options);
