@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 #include <limits>
 
+#include "common/sanitized.h"
 #include "glissade/gauge/move.h"
 #include "support/gauge_scene.h"
 #include "support/graph_random.h"
@@ -92,7 +93,9 @@ TEST(TransformCovariance, FreeToFixed) {
                   biases, inverse_depth, worst, 100.0 * kEps * condition);
       EXPECT_LT(worst, 100.0 * kEps * condition);
       if (!biases) {
-        EXPECT_LT(worst, 1e-9);
+        // 3e-10 to 5e-10 as released, under each instruction set; not optimized, sums round
+        // otherwise.
+        EXPECT_LT(worst, test::kSanitized ? 3e-9 : 1e-9);
       }
     }
   }
