@@ -138,8 +138,8 @@ class Motion {
 };
 
 constexpr int kRuns = test::kSanitized ? 40 : 400;
-/// How many of them may be outside of what 1 in 1000 is: 4 % (motions are not what they are modelled
-/// as). Of few runs, chance makes it more.
+/// How many of them may be outside of what 1 in 1000 is: 4 % (motions are not what they are
+/// modelled as). Of few runs, chance makes it more.
 constexpr int kOutside = test::kSanitized ? 5 : 16;
 
 /// Lively, but not as lively as what the defaults allow for.
