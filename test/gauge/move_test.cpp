@@ -121,6 +121,19 @@ TEST(MoveToGauge, ScaleToo) {
   }
 }
 
+// A linearization has views of the priors' Hessians, which are others after a move.
+TEST(MoveToGauge, MakesALinearizationVoidThatLooksAtPriors) {
+  GaugeScene scene(3, Options(GaugeGroup::kVisualInertial, true));
+  Problem& problem = scene.problem;
+  const std::vector<AnyVertex> vertices{scene.poses[0], scene.speeds[0], scene.poses[1]};
+  static_cast<void>(AddPrior(&problem, vertices, 4));
+  ASSERT_TRUE(problem.MakeHessian().ok());
+  ASSERT_TRUE(MoveToGauge(&problem, Gauge::Fixed{scene.poses[1], Elsewhere(5)}).ok());
+  EXPECT_FALSE(problem.SolveLinearSystem(1e-3).ok());
+  EXPECT_TRUE(problem.CheckNullspace().ok());
+  EXPECT_TRUE(problem.Solve().ok());
+}
+
 TEST(MoveToGauge, MarginalPriorsAndFirstEstimatesGoAlong) {
   for (const bool inverse_depth : {true, false}) {
     GaugeScene scene(3, Options(GaugeGroup::kVisualInertial, inverse_depth));

@@ -232,6 +232,8 @@ class Graph {
                    std::span<const AnyVertex> edge_vertices = {});
   void EndHold() noexcept;
   [[nodiscard]] bool IsHolding() const { return hold_.active; }
+  /// Plans, linearizations and views of constant Hessians that were made of this graph are void.
+  void StructureChanged() { ++structure_version_; }
   /// Where a gauge's anchor was when it was first named; Set() and removal forget it.
   [[nodiscard]] std::vector<GaugeReference>& gauge_references() { return gauge_references_; }
   [[nodiscard]] const std::vector<GaugeReference>& gauge_references() const {
@@ -267,7 +269,6 @@ class Graph {
   [[nodiscard]] Status CheckDynamicEdge(const DynamicEdge* edge,
                                         std::span<const AnyVertex> vertices, const Loss& loss);
   [[nodiscard]] Status CheckLoss(AnyEdge edge, const Loss& loss) const;
-  void StructureChanged() { ++structure_version_; }
   /// This graph's part of handles.
   std::uint32_t Id() {
     if (id_ == 0) id_ = NewId();
