@@ -118,7 +118,10 @@ Status Move(Graph* graph, const OrbitMotion& g, const Orbit& orbit, const MoveOp
   const Result<double> after = status.ok() ? graph->Cost() : Result<double>(status);
   // What u cannot tell: an edge that is blind to small motions only.
   const double tolerance = 1e-9 * before.value() + 1e-12;
-  if (after.ok() && std::abs(after.value() - before.value()) <= tolerance) return {};
+  if (after.ok() && std::abs(after.value() - before.value()) <= tolerance) {
+    if (priors.HasMovedMarginal()) graph->StructureChanged();
+    return {};
+  }
   priors.TakeBack();
   (void)graph->RestoreSnapshot(snapshot);
   graph->gauge_references() = references;

@@ -83,7 +83,6 @@ Status PriorMover::Move(const OrbitMotion& g, bool absolute) {
     const Result<std::vector<AnyVertex>> vertices = graph_->VerticesOf(pool->HandleAt(k));
     const Status status = MoveMarginal(g, prior, vertices.value());
     if (!status.ok()) return status;
-    graph_->StructureChanged();  // what was linearized looks at the Hessian that has gone
   }
   if (!absolute) return {};
   const auto pose = [](auto* edge) { return edge->T_w_b.data; };
@@ -105,7 +104,6 @@ void PriorMover::PutBack(const std::vector<Kept<E>>& kept) {
 void PriorMover::TakeBack() {
   for (const auto& [prior, before] : marginal_)
     *prior = before;
-  if (!marginal_.empty()) graph_->StructureChanged();
   PutBack(se3_);
   PutBack(vec_);
   PutBack(speed_);

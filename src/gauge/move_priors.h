@@ -24,6 +24,8 @@ class PriorMover {
 
   Status Move(const OrbitMotion& g, bool absolute);
   void TakeBack();
+  /// Whether a marginal prior has another Hessian now: what was linearized looks at the one before.
+  [[nodiscard]] bool HasMovedMarginal() const { return !marginal_.empty(); }
 
  private:
   template <class E>
