@@ -12,13 +12,18 @@ set -euo pipefail
 (($# >= 1)) || { echo "usage: $0 BUILD_DIR [SECONDS]" >&2; exit 2; }
 source_dir=$(cd "$(dirname "$0")/../test/consumer" && pwd)
 limits=("${2:-5}" "${3:-5}")
-work=$(mktemp -d)
+work=$(mktemp -d "$(cd "$1" && pwd)/consumer_compile_time.XXXXXX")
 trap 'rm -rf "$work"' EXIT
 
+# step COMMAND...: what it prints is shown only if it fails.
+step() {
+  "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; echo "FAIL: $*" >&2; exit 1; }
+}
+
 unset CMAKE_CXX_COMPILER_LAUNCHER CXXFLAGS
-cmake --install "$1" --prefix "$work/prefix" >/dev/null
-cmake -S "$source_dir" -B "$work/build" -DCMAKE_BUILD_TYPE=Release \
-  -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON >/dev/null
+step cmake --install "$1" --prefix "$work/prefix"
+step cmake -S "$source_dir" -B "$work/build" -DCMAKE_BUILD_TYPE=Release \
+  -DCMAKE_PREFIX_PATH="$work/prefix" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
 
 python3 - "$work/build/compile_commands.json" "${limits[@]}" <<'PYTHON'
 import json
