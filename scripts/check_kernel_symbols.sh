@@ -30,8 +30,8 @@ for object in "${objects[@]}"; do
   fi
   [[ $(uname -m) == x86_64 ]] && command -v objdump >/dev/null || continue
   case $name in
-    baseline.dir/* | dispatch.dir/*) forbidden='%[yz]mm' ;;
-    avx2.dir/*) forbidden='%zmm' ;;
+    *baseline.dir/* | dispatch.dir/*) forbidden='%[yz]mm' ;;
+    *avx2.dir/*) forbidden='%zmm' ;;
     *) continue ;;
   esac
   wide=$(objdump -d --no-show-raw-insn "$object" | grep -cE "$forbidden" || true)

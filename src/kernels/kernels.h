@@ -110,6 +110,32 @@ struct KernelTable {
   /// step = H_ll^-1 (b_l - W' x), dl numbers.
   void (*landmark_step)(const SchurLandmark* landmark, const double* x, double* step);
 
+  // ---- Runs of edges in lanes -------------------------------------------------------------------
+  // A value of a run is an array with one number per edge; row k, column c of a matrix of `cols`
+  // columns is the array at (k * cols + c) * lanes. `lanes` is a multiple of kLaneBlock.
+
+  /// 1 where all numbers are finite, else 0; count is a multiple of kLaneBlock.
+  int (*lanes_finite)(int64_t count, const double* x);
+  /// x <- L x, x rows x cols, L rows x rows: one for all (row-major), or an array of lanes per
+  /// entry where per_lane is 1. work: rows * lanes numbers.
+  void (*whiten_lanes)(int rows, int cols, int lanes, const double* l, int per_lane, double* x,
+                       double* work);
+  /// squares = r'r per lane; returns their sum.
+  double (*lane_squares)(int rows, int lanes, const double* r, double* squares);
+  /// J <- scale (J - alpha_over_s r (r'J)), scale and alpha_over_s per lane.
+  void (*correct_lanes)(int rows, int cols, int lanes, const double* r, const double* scale,
+                        const double* alpha_over_s, double* J);
+  /// x <- scale x.
+  void (*scale_lanes)(int rows, int lanes, const double* scale, double* x);
+  /// out (dim_a x dim_b, row-major) += alpha sum over rows and lanes of a'b. a == b: symmetric,
+  /// both triangles are written.
+  void (*lane_products)(int rows, int lanes, int dim_a, const double* a, int dim_b, const double* b,
+                        double alpha, double* out);
+  /// For each of the first `count` lanes: base[offset[lane] ...] (dim_a x dim_b, row-major) +=
+  /// alpha a'b, summed over its rows; dim_b is 1 to 4. Offsets of different lanes may be the same.
+  void (*lane_couplings)(int rows, int lanes, int count, int dim_a, const double* a, int dim_b,
+                         const double* b, double alpha, const int64_t* offset, double* base);
+
   // ---- Reprojection, fused (kernels/reprojection.h) ---------------------------------------------
 
   /// Residuals, derivatives and their products for all landmarks of a host: every `out` member.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "linear/landmark_runs.h"
 #include "linear/reprojection_terms.h"
 #include "linear/schur_storage.h"
 
@@ -36,7 +37,8 @@ StepFailure::operator Status() const {
 }
 
 NormalEquations::NormalEquations()
-    : reprojections_(std::make_unique<ReprojectionTerms>()),
+    : runs_(std::make_unique<LandmarkRuns>()),
+      reprojections_(std::make_unique<ReprojectionTerms>()),
       schur_(std::make_unique<SchurStorage>()) {}
 NormalEquations::~NormalEquations() = default;
 NormalEquations::NormalEquations(NormalEquations&&) noexcept = default;
@@ -84,11 +86,18 @@ void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& gr
   for (const EdgeRun& run : structure.EdgesOfChunk(chunk)) {
     if (run.count == 0) continue;
     const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
-    if (!pool.Linearize(structure.Words(run), run.count, &sink)) {
+    const std::int32_t taken = runs_->Taken(chunk, run.pool);
+    if (taken == run.count) continue;
+    if (!pool.Linearize(structure.Words(run) + taken * plan::NumWords(pool.fixed_arity()),
+                        run.count - taken, &sink)) {
       out.failed_pool = run.pool;
       out.failed_edge = sink.failed_edge;
       return;
     }
+  }
+  if (!runs_->Linearize(graph, chunk, &sink, &out.failed_pool)) {
+    out.failed_edge = sink.failed_edge;
+    return;
   }
   reprojections_->UpdateChunk(structure, graph, chunk);
   out.cost = sink.cost + reprojections_->Linearize(structure, chunk, sink.h_pp, sink.b_p);
@@ -127,6 +136,7 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
     tangent.UpdateBasis(pool->Data(pool->slots().IndexOf(tangent.vertex.slot)));
   }
   reprojections_->Pack(structure, *graph);
+  runs_->Plan(structure, *graph);
   reprojections_->Update(structure, *graph);
   reprojections_->UpdateMaps(structure, *graph);
   const int num_chunks = structure.num_chunks();
@@ -169,11 +179,19 @@ StepFailure NormalEquations::Cost(const Structure& structure, const Graph& graph
     NormalEquationsSink sink;
     for (const EdgeRun& run : structure.EdgesOfChunk(c)) {
       if (run.count == 0) continue;
-      if (!graph.edge_pools()[Index(run.pool)]->Cost(structure.Words(run), run.count, &sink)) {
+      const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
+      const std::int32_t taken = runs_->Taken(c, run.pool);
+      if (taken == run.count) continue;
+      if (!pool.Cost(structure.Words(run) + taken * plan::NumWords(pool.fixed_arity()),
+                     run.count - taken, &sink)) {
         chunk.failed_pool = run.pool;
         chunk.failed_edge = sink.failed_edge;
         return;
       }
+    }
+    if (!runs_->Cost(graph, c, &sink, &chunk.failed_pool)) {
+      chunk.failed_edge = sink.failed_edge;
+      return;
     }
     reprojections_->UpdateChunk(structure, graph, c);
     chunk.cost = sink.cost + reprojections_->Cost(structure, c);

@@ -13,15 +13,18 @@ namespace glissade {
 struct CameraPinhole {
   double fx = 1.0, fy = 1.0, cx = 0.0, cy = 0.0;
 
-  bool Project(const Vector3& p_c, Vector2& uv, Matrix<2, 3>* d_uv_d_p) const {
+  template <class T>
+  bool Project(const Vec<T, 3>& p_c, Vec<T, 2>& uv, Mat<T, 2, 3>* d_uv_d_p) const {
     if (!CameraIdentity().Project(p_c, uv, d_uv_d_p)) return false;
-    uv[0] = fx * uv[0] + cx;
-    uv[1] = fy * uv[1] + cy;
-    if (d_uv_d_p != nullptr) {
-      d_uv_d_p->row(0) *= fx;
-      d_uv_d_p->row(1) *= fy;
+    uv = {{T(fx) * uv[0] + T(cx), T(fy) * uv[1] + T(cy)}};
+    for (int c = 0; d_uv_d_p != nullptr && c < 3; ++c) {
+      (*d_uv_d_p)(0, c) *= T(fx);
+      (*d_uv_d_p)(1, c) *= T(fy);
     }
     return true;
+  }
+  bool Project(const Vector3& p_c, Vector2& uv, Matrix<2, 3>* d_uv_d_p) const {
+    return internal::ProjectEigen(*this, p_c, uv, d_uv_d_p);
   }
 
   bool Unproject(const Vector2& uv, Vector2& xy, Matrix2* d_xy_d_uv) const {

@@ -6,6 +6,7 @@
 
 #include "glissade/base/validate.h"
 #include "glissade/edges/concept.h"
+#include "glissade/edges/lanes.h"
 #include "glissade/lie/so3.h"
 #include "glissade/vertices/camera_bal.h"
 #include "glissade/vertices/point_xyz.h"
@@ -24,49 +25,48 @@ struct EdgeBal {
 
   Vector2 uv = Vector2::Zero();  ///< px, origin at the image centre
 
-  template <int = 0>
-  bool Evaluate(const VertexCameraBal& camera, const VertexPointXYZ& point, Vector2& r,
-                Jacobian<2, 9>* d_r_d_camera, Jacobian<2, 3>* d_r_d_point) const {
-    const double* c = camera.data;
-    const Vector3 omega(c[0], c[1], c[2]);
-    const double f = c[6], k1 = c[7], k2 = c[8];
-    // d(Exp(w) X)/dw = -[R X]x Jl(w); regular at w = 0.
-    Matrix3 R, Jl;
-    so3::ExpAndJl(omega, R, Jl);
-    const Vector3 rotated = R * point.p();
-    const Vector3 x_c = rotated + Eigen::Map<const Vector3>(c + 3);
-    if (x_c[2] == 0.0) return false;
+  static constexpr auto kLanes = Fields(&EdgeBal::uv);
 
-    const double minus_inv_z = -1.0 / x_c[2];
-    const Vector2 p = minus_inv_z * x_c.head<2>();
-    const double n = p.squaredNorm();
-    const double distortion = 1.0 + n * (k1 + k2 * n);
-    r = f * distortion * p - uv;
-    if (!std::isfinite(r[0] + r[1])) return false;
+  template <class T>
+  bool Evaluate(const View<VertexCameraBal, T>& camera, const View<VertexPointXYZ, T>& point,
+                const Vec<T, 2>& measured, Vec<T, 2>& r, Mat<T, 2, 9>* d_r_d_camera,
+                Mat<T, 2, 3>* d_r_d_point) const {
+    // d(Exp(w) X)/dw = -[R X]x Jl(w); regular at w = 0.
+    const Vec<T, 3> rotated = camera.R * point.p;
+    const Vec<T, 3> x_c = rotated + camera.t;
+    if constexpr (std::is_same_v<T, double>) {
+      if (x_c[2] == 0.0) return false;  // in packs the quotient tells
+    }
+    const T minus_inv_z = T(-1.0) / x_c[2];
+    const Vec<T, 2> p = {{minus_inv_z * x_c[0], minus_inv_z * x_c[1]}};
+    const T n = p[0] * p[0] + p[1] * p[1];
+    const T distortion = T(1.0) + n * (camera.k1 + camera.k2 * n);
+    r = camera.f * distortion * p - measured;
+    if (!internal::HasValue(r)) return false;
     if (!d_r_d_camera && !d_r_d_point) return true;
 
     // d r / d p = f (distortion I + slope p p'), then through p = -P.xy / P.z.
-    const double slope = 2.0 * (k1 + 2.0 * k2 * n);
-    const double off = f * slope * p[0] * p[1];
-    const double dxx = f * (distortion + slope * p[0] * p[0]);
-    const double dyy = f * (distortion + slope * p[1] * p[1]);
-    Matrix<2, 3> d_r_d_c;
-    d_r_d_c << dxx, off, dxx * p[0] + off * p[1],  //
-        off, dyy, off * p[0] + dyy * p[1];
-    d_r_d_c *= minus_inv_z;
-
+    const T slope = T(2.0) * (camera.k1 + T(2.0) * camera.k2 * n);
+    const T off = camera.f * slope * p[0] * p[1];
+    const T dxx = camera.f * (distortion + slope * p[0] * p[0]);
+    const T dyy = camera.f * (distortion + slope * p[1] * p[1]);
+    const Mat<T, 2, 3> d_r_d_c = minus_inv_z * Mat<T, 2, 3>{{dxx, off, dxx * p[0] + off * p[1],  //
+                                                             off, dyy, off * p[0] + dyy * p[1]}};
     if (d_r_d_camera) {
       for (int row = 0; row < 2; ++row) {
-        d_r_d_camera->row(row).head<3>() =
-            rotated.cross(Vector3(d_r_d_c.row(row))).transpose() * Jl;
+        d_r_d_camera->Set(row, 0, Cross(rotated, d_r_d_c.Row(row)) * camera.Jl);
+        (*d_r_d_camera)(row, 6) = distortion * p[row];
+        (*d_r_d_camera)(row, 7) = camera.f * n * p[row];
+        (*d_r_d_camera)(row, 8) = camera.f * n * n * p[row];
       }
-      d_r_d_camera->middleCols<3>(3) = d_r_d_c;
-      d_r_d_camera->col(6) = distortion * p;
-      d_r_d_camera->col(7) = f * n * p;
-      d_r_d_camera->col(8) = f * n * n * p;
+      d_r_d_camera->Set(0, 3, d_r_d_c);
     }
-    if (d_r_d_point) d_r_d_point->noalias() = d_r_d_c * R;
+    if (d_r_d_point) *d_r_d_point = d_r_d_c * camera.R;
     return true;
+  }
+  bool Evaluate(const VertexCameraBal& camera, const VertexPointXYZ& point, Vector2& r,
+                Jacobian<2, 9>* d_r_d_camera, Jacobian<2, 3>* d_r_d_point) const {
+    return internal::EvaluateInDouble(*this, std::tie(camera, point), r, d_r_d_camera, d_r_d_point);
   }
 
   /// A BAL vertex is one camera.
@@ -81,5 +81,7 @@ struct EdgeBal {
 
   [[nodiscard]] Status Validate() const { return ValidateFinite(uv.data(), 2, "observation"); }
 };
+template <>
+inline constexpr bool internal::kLibraryEvaluates<EdgeBal> = true;
 
 }  // namespace glissade

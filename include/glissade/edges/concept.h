@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "glissade/base/matrix.h"
+#include "glissade/edges/lanes.h"
 #include "glissade/vertices/concept.h"
 
 /// \file
@@ -28,6 +29,19 @@
 /// pointer that is not null, the derivative with respect to that vertex's tangent. It returns false
 /// only where no number exists (a division by zero), never because a result is implausible.
 /// It must be safe to call from several threads.
+///
+/// Evaluate may be a template over the scalar type instead; edges on the same vertices but for the
+/// landmark are then evaluated in packs, several at once (base/pack.h):
+///
+///       static constexpr auto kLanes = Fields(&EdgeRange::measured);   // differ from edge to edge
+///       template <class T>
+///       bool Evaluate(const View<VertexPose, T>& pose, const View<VertexPointXYZ, T>& point,
+///                     const T& measured, Vec<T, 1>& r, Mat<T, 1, 6>* d_r_d_pose,
+///                     Mat<T, 1, 3>* d_r_d_point) const;
+///
+/// Members that are not in kLanes must be equal in all edges of a run: SameSensor (or SameInRun,
+/// where the two differ) tells. A condition on T is that of the first lane; if another lane has it
+/// otherwise, the edges are evaluated once more one by one.
 ///
 /// Exceptions. What Evaluate throws, or a loss, an iteration callback, a linear solver of yours or
 /// a drop_if, comes out of Solve (or Marginalize, Covariance, ...) on the thread that called it,
@@ -136,11 +150,31 @@ constexpr bool FitsFirstEstimateRule() {
            std::is_same_v<EdgeVertex<E, 1>, Second>;
   }
 }
+
+template <class E, class List, class Lanes>
+inline constexpr bool kCanEvaluateLanes = false;
+template <class E, class... V, class... M>
+inline constexpr bool kCanEvaluateLanes<E, VertexList<V...>, std::tuple<M E::*...>> =
+    requires(const E& edge, const View<V, double>&... view,
+             const typename LaneOf<double, M>::Type&... lane, Vec<double, E::kResidualDim>& r,
+             Mat<double, E::kResidualDim, V::kTangentDim>*... jacobian) {
+      { edge.Evaluate(view..., lane..., r, jacobian...) } -> std::same_as<bool>;
+    };
+template <class E>
+inline constexpr bool kIsTemplateEdge = [] {
+  if constexpr (requires { E::kLanes; }) {
+    return kCanEvaluateLanes<E, typename E::Vertices, std::remove_cvref_t<decltype(E::kLanes)>>;
+  } else {
+    return false;
+  }
+}();
 }  // namespace internal
 
-/// `bool Evaluate(const V&..., Vector<R>& r, Jacobian<R, V::kTangentDim>*...) const`
+/// `bool Evaluate(const V&..., Vector<R>& r, Jacobian<R, V::kTangentDim>*...) const`, or with kLanes
+/// `bool Evaluate(const View<V, T>&..., lanes..., Vec<T, R>& r, Mat<T, R, V::kTangentDim>*...) const`
 template <class E>
-concept EdgeHasEvaluate = internal::kCanEvaluate<E, typename E::Vertices>;
+concept EdgeHasEvaluate =
+    internal::kCanEvaluate<E, typename E::Vertices> || internal::kIsTemplateEdge<E>;
 
 /// kFirstEstimateRule, if there is one, is for edges on these vertices.
 template <class E>
@@ -191,6 +225,20 @@ inline constexpr EdgeTraits kEdgeTraits = [] {
 /// The handles an edge of type E is added with: a tuple, so `{host, target, depth}` does.
 template <class E>
 using EdgeVertexHandles = typename E::Vertices::Handles;
+
+namespace internal {
+/// Evaluate of one edge, whichever form it has.
+template <class E, class... V, class... J>
+bool EvaluateEdge(const E& edge, const std::tuple<const V&...>& vertices,
+                  Vector<E::kResidualDim>& r, J*... jacobians) {
+  if constexpr (kCanEvaluate<E, typename E::Vertices>) {
+    return std::apply([&](const auto&... v) { return edge.Evaluate(v..., r, jacobians...); },
+                      vertices);
+  } else {
+    return EvaluateInDouble(edge, vertices, r, jacobians...);
+  }
+}
+}  // namespace internal
 
 /// Calls f(std::integral_constant<int, 0>{}), ..., f(<N - 1>).
 template <int N, class F>

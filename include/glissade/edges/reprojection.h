@@ -5,6 +5,7 @@
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
 #include "glissade/edges/concept.h"
+#include "glissade/edges/lanes.h"
 #include "glissade/edges/two_view_point.h"
 
 namespace glissade {
@@ -32,22 +33,36 @@ struct EdgeReprojectionOf {
   Pose T_b_c;
   [[no_unique_address]] Camera camera{};
 
-  bool Evaluate(const VertexPose& host, const VertexPose& target, const VertexInverseDepth& depth,
-                Vector2& r, Jacobian<2, 6>* d_r_d_host, Jacobian<2, 6>* d_r_d_target,
-                Jacobian<2, 1>* d_r_d_rho) const {
-    const internal::TwoViewPoint x(host.pose, target.pose, depth.rho, uv_host, T_b_c, T_b_c);
+  static constexpr bool kInLanes = internal::LaneCamera<Camera>;
+  static constexpr auto kLanes =
+      Fields(&EdgeReprojectionOf::uv_host, &EdgeReprojectionOf::uv_target);
+
+  template <class T>
+  bool Evaluate(const View<VertexPose, T>& host, const View<VertexPose, T>& target,
+                const View<VertexInverseDepth, T>& depth, const Vec<T, 2>& host_uv,
+                const Vec<T, 2>& target_uv, Vec<T, 2>& r, Mat<T, 2, 6>* d_r_d_host,
+                Mat<T, 2, 6>* d_r_d_target, Mat<T, 2, 1>* d_r_d_rho) const {
+    const auto camera_in_body = internal::ViewOf<T>(T_b_c);
+    const internal::TwoViewPoint<T> x(host, target, depth.rho, host_uv, camera_in_body,
+                                      camera_in_body);
     const bool linearize = d_r_d_host || d_r_d_target || d_r_d_rho;
-    Matrix<2, 3> d_r_d_c;
+    Mat<T, 2, 3> d_r_d_c;
     if (!internal::ProjectScaled(camera, x.q, x.rho, r, linearize ? &d_r_d_c : nullptr)) {
       return false;
     }
-    r -= uv_target;
+    r = r - target_uv;
     if (!linearize) return true;
-    const internal::TwoViewDerivatives d(x, d_r_d_c);
+    const internal::TwoViewDerivatives<T> d(x, d_r_d_c);
     if (d_r_d_host) d.Host(*d_r_d_host);
     if (d_r_d_target) d.Target(*d_r_d_target);
-    if (d_r_d_rho) d.InverseDepth(host.pose, target.pose, *d_r_d_rho);
+    if (d_r_d_rho) d.InverseDepth(*d_r_d_rho);
     return true;
+  }
+  bool Evaluate(const VertexPose& host, const VertexPose& target, const VertexInverseDepth& depth,
+                Vector2& r, Jacobian<2, 6>* d_r_d_host, Jacobian<2, 6>* d_r_d_target,
+                Jacobian<2, 1>* d_r_d_rho) const {
+    return internal::EvaluateInDouble(*this, std::tie(host, target, depth), r, d_r_d_host,
+                                      d_r_d_target, d_r_d_rho);
   }
 
   /// Same camera: two observations of one landmark by it in one frame are duplicates.
@@ -59,8 +74,7 @@ struct EdgeReprojectionOf {
   /// 1/rho.
   [[nodiscard]] double Depth(const VertexPose& host, const VertexPose& target,
                              const VertexInverseDepth& depth) const {
-    const internal::TwoViewPoint x(host.pose, target.pose, depth.rho, uv_host, T_b_c, T_b_c);
-    return internal::TwoViewDepth(x.q[2], x.rho);
+    return internal::TwoViewDepth(host.pose, target.pose, depth.rho, uv_host, T_b_c, T_b_c);
   }
 
   [[nodiscard]] Status Validate() const {
@@ -75,5 +89,7 @@ struct EdgeReprojectionOf {
 using EdgeReprojection = EdgeReprojectionOf<CameraIdentity>;
 template <>
 inline constexpr TypeInfo kTypeInfo<EdgeReprojection>{"EdgeReprojection"};
+template <>
+inline constexpr bool internal::kLibraryEvaluates<EdgeReprojection> = true;
 
 }  // namespace glissade

@@ -5,6 +5,7 @@
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
 #include "glissade/edges/concept.h"
+#include "glissade/edges/lanes.h"
 #include "glissade/edges/timed_observation.h"
 #include "glissade/edges/two_view_point.h"
 #include "glissade/vertices/vector.h"
@@ -30,32 +31,45 @@ struct EdgeReprojectionCalibrationOf {
   TimedObservation target;  ///< image coordinates of `camera` in the target frame
   [[no_unique_address]] Camera camera{};
 
+  static constexpr bool kInLanes = internal::LaneCamera<Camera>;
+  static constexpr auto kLanes =
+      Fields(&EdgeReprojectionCalibrationOf::host, &EdgeReprojectionCalibrationOf::target);
+
+  template <class T>
+  bool Evaluate(const View<VertexPose, T>& pose_i, const View<VertexPose, T>& pose_j,
+                const View<VertexInverseDepth, T>& depth, const View<VertexPose, T>& extrinsic,
+                const View<VertexVector<1>, T>& offset, const Vec<T, 5>& at_host,
+                const Vec<T, 5>& at_target, Vec<T, 2>& r, Mat<T, 2, 6>* d_r_d_pose_i,
+                Mat<T, 2, 6>* d_r_d_pose_j, Mat<T, 2, 1>* d_r_d_rho, Mat<T, 2, 6>* d_r_d_extrinsic,
+                Mat<T, 2, 1>* d_r_d_td) const {
+    const internal::TwoViewPoint<T> x(
+        pose_i, pose_j, depth.rho, internal::ObservedAt(at_host, offset[0]), extrinsic, extrinsic);
+    const bool linearize = d_r_d_pose_i || d_r_d_pose_j || d_r_d_rho || d_r_d_extrinsic || d_r_d_td;
+    Mat<T, 2, 3> d_r_d_c;
+    if (!internal::ProjectScaled(camera, x.q, x.rho, r, linearize ? &d_r_d_c : nullptr)) {
+      return false;
+    }
+    r = r - internal::ObservedAt(at_target, offset[0]);
+    if (!linearize) return true;
+    const internal::TwoViewDerivatives<T> d(x, d_r_d_c);
+    if (d_r_d_pose_i) d.Host(*d_r_d_pose_i);
+    if (d_r_d_pose_j) d.Target(*d_r_d_pose_j);
+    if (d_r_d_rho) d.InverseDepth(*d_r_d_rho);
+    if (d_r_d_extrinsic) d.SharedExtrinsic(*d_r_d_extrinsic);
+    if (d_r_d_td) {
+      *d_r_d_td = internal::ObservedVelocity(at_target) -
+                  d.HostObservation(internal::ObservedVelocity(at_host));
+    }
+    return true;
+  }
   bool Evaluate(const VertexPose& pose_i, const VertexPose& pose_j, const VertexInverseDepth& depth,
                 const VertexPose& extrinsic, const VertexVector<1>& time_offset, Vector2& r,
                 Jacobian<2, 6>* d_r_d_pose_i, Jacobian<2, 6>* d_r_d_pose_j,
                 Jacobian<2, 1>* d_r_d_rho, Jacobian<2, 6>* d_r_d_extrinsic,
                 Jacobian<2, 1>* d_r_d_td) const {
-    const double td = time_offset.value[0];
-    const Pose& T_b_c = extrinsic.pose;
-    const internal::TwoViewPoint x(pose_i.pose, pose_j.pose, depth.rho, host.At(td), T_b_c, T_b_c);
-    const bool linearize = d_r_d_pose_i || d_r_d_pose_j || d_r_d_rho || d_r_d_extrinsic || d_r_d_td;
-    Matrix<2, 3> d_r_d_c;
-    if (!internal::ProjectScaled(camera, x.q, x.rho, r, linearize ? &d_r_d_c : nullptr)) {
-      return false;
-    }
-    r -= target.At(td);
-    if (!linearize) return true;
-    const internal::TwoViewDerivatives d(x, d_r_d_c);
-    if (d_r_d_pose_i) d.Host(*d_r_d_pose_i);
-    if (d_r_d_pose_j) d.Target(*d_r_d_pose_j);
-    if (d_r_d_rho) d.InverseDepth(pose_i.pose, pose_j.pose, *d_r_d_rho);
-    if (d_r_d_extrinsic) d.SharedExtrinsic(*d_r_d_extrinsic);
-    if (d_r_d_td) {
-      Matrix2 d_r_d_uv_host;
-      d.HostObservation(d_r_d_uv_host);
-      *d_r_d_td = target.velocity - d_r_d_uv_host * host.velocity;
-    }
-    return true;
+    return internal::EvaluateInDouble(
+        *this, std::tie(pose_i, pose_j, depth, extrinsic, time_offset), r, d_r_d_pose_i,
+        d_r_d_pose_j, d_r_d_rho, d_r_d_extrinsic, d_r_d_td);
   }
 
   /// The extrinsic is a vertex, so that two edges on the same vertices are by the same camera.
@@ -67,9 +81,8 @@ struct EdgeReprojectionCalibrationOf {
   [[nodiscard]] double Depth(const VertexPose& pose_i, const VertexPose& pose_j,
                              const VertexInverseDepth& depth, const VertexPose& extrinsic,
                              const VertexVector<1>& time_offset) const {
-    const internal::TwoViewPoint x(pose_i.pose, pose_j.pose, depth.rho,
-                                   host.At(time_offset.value[0]), extrinsic.pose, extrinsic.pose);
-    return internal::TwoViewDepth(x.q[2], x.rho);
+    return internal::TwoViewDepth(pose_i.pose, pose_j.pose, depth.rho,
+                                  host.At(time_offset.value[0]), extrinsic.pose, extrinsic.pose);
   }
 
   [[nodiscard]] Status Validate() const {
@@ -83,5 +96,7 @@ struct EdgeReprojectionCalibrationOf {
 using EdgeReprojectionCalibration = EdgeReprojectionCalibrationOf<CameraIdentity>;
 template <>
 inline constexpr TypeInfo kTypeInfo<EdgeReprojectionCalibration>{"EdgeReprojectionCalibration"};
+template <>
+inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionCalibration> = true;
 
 }  // namespace glissade

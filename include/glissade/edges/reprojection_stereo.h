@@ -5,6 +5,7 @@
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
 #include "glissade/edges/concept.h"
+#include "glissade/edges/lanes.h"
 #include "glissade/edges/two_view_point.h"
 
 namespace glissade {
@@ -28,23 +29,41 @@ struct EdgeReprojectionStereoOf {
   Pose T_b_target;                        ///< camera of the target observation in body
   [[no_unique_address]] Camera camera{};  ///< of the target observation
 
-  bool Evaluate(const VertexPose& host, const VertexPose& target, const VertexInverseDepth& depth,
-                Vector2& r, Jacobian<2, 6>* d_r_d_host, Jacobian<2, 6>* d_r_d_target,
-                Jacobian<2, 1>* d_r_d_rho) const {
-    const internal::TwoViewPoint x(host.pose, target.pose, depth.rho, uv_host, T_b_host,
-                                   T_b_target);
+  static constexpr bool kInLanes = internal::LaneCamera<Camera>;
+  static constexpr auto kLanes =
+      Fields(&EdgeReprojectionStereoOf::uv_host, &EdgeReprojectionStereoOf::uv_target);
+
+  template <class T>
+  bool Evaluate(const View<VertexPose, T>& host, const View<VertexPose, T>& target,
+                const View<VertexInverseDepth, T>& depth, const Vec<T, 2>& host_uv,
+                const Vec<T, 2>& target_uv, Vec<T, 2>& r, Mat<T, 2, 6>* d_r_d_host,
+                Mat<T, 2, 6>* d_r_d_target, Mat<T, 2, 1>* d_r_d_rho) const {
+    const auto host_camera = internal::ViewOf<T>(T_b_host);
+    const auto target_camera = internal::ViewOf<T>(T_b_target);
+    const internal::TwoViewPoint<T> x(host, target, depth.rho, host_uv, host_camera, target_camera);
     const bool linearize = d_r_d_host || d_r_d_target || d_r_d_rho;
-    Matrix<2, 3> d_r_d_c;
+    Mat<T, 2, 3> d_r_d_c;
     if (!internal::ProjectScaled(camera, x.q, x.rho, r, linearize ? &d_r_d_c : nullptr)) {
       return false;
     }
-    r -= uv_target;
+    r = r - target_uv;
     if (!linearize) return true;
-    const internal::TwoViewDerivatives d(x, d_r_d_c);
+    const internal::TwoViewDerivatives<T> d(x, d_r_d_c);
     if (d_r_d_host) d.Host(*d_r_d_host);
     if (d_r_d_target) d.Target(*d_r_d_target);
-    if (d_r_d_rho) d.InverseDepth(host.pose, target.pose, *d_r_d_rho);
+    if (d_r_d_rho) d.InverseDepth(*d_r_d_rho);
     return true;
+  }
+  bool Evaluate(const VertexPose& host, const VertexPose& target, const VertexInverseDepth& depth,
+                Vector2& r, Jacobian<2, 6>* d_r_d_host, Jacobian<2, 6>* d_r_d_target,
+                Jacobian<2, 1>* d_r_d_rho) const {
+    return internal::EvaluateInDouble(*this, std::tie(host, target, depth), r, d_r_d_host,
+                                      d_r_d_target, d_r_d_rho);
+  }
+
+  /// Both cameras, as duplicates do not ask for.
+  [[nodiscard]] bool SameInRun(const EdgeReprojectionStereoOf& other) const {
+    return T_b_host == other.T_b_host && SameSensor(other);
   }
 
   /// Same target camera: two observations of one landmark by it in one frame are duplicates.
@@ -55,9 +74,7 @@ struct EdgeReprojectionStereoOf {
   /// As EdgeReprojection::Depth.
   [[nodiscard]] double Depth(const VertexPose& host, const VertexPose& target,
                              const VertexInverseDepth& depth) const {
-    const internal::TwoViewPoint x(host.pose, target.pose, depth.rho, uv_host, T_b_host,
-                                   T_b_target);
-    return internal::TwoViewDepth(x.q[2], x.rho);
+    return internal::TwoViewDepth(host.pose, target.pose, depth.rho, uv_host, T_b_host, T_b_target);
   }
 
   [[nodiscard]] Status Validate() const {
@@ -73,5 +90,7 @@ struct EdgeReprojectionStereoOf {
 using EdgeReprojectionStereo = EdgeReprojectionStereoOf<CameraIdentity>;
 template <>
 inline constexpr TypeInfo kTypeInfo<EdgeReprojectionStereo>{"EdgeReprojectionStereo"};
+template <>
+inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionStereo> = true;
 
 }  // namespace glissade

@@ -5,6 +5,7 @@
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
 #include "glissade/edges/concept.h"
+#include "glissade/edges/lanes.h"
 #include "glissade/edges/two_view_point.h"
 
 namespace glissade {
@@ -26,15 +27,30 @@ struct EdgeReprojectionStereoSameOf {
   Pose T_b_target;                        ///< camera of the target observation in body
   [[no_unique_address]] Camera camera{};  ///< of the target observation
 
-  bool Evaluate(const VertexInverseDepth& depth, Vector2& r, Jacobian<2, 1>* d_r_d_rho) const {
-    const double rho = depth.rho;
-    Vector3 d_q_d_rho;
-    const Vector3 q = ScaledPoint(rho, d_q_d_rho);
-    Matrix<2, 3> d_r_d_c;
-    if (!internal::ProjectScaled(camera, q, rho, r, d_r_d_rho ? &d_r_d_c : nullptr)) return false;
-    r -= uv_target;
-    if (d_r_d_rho) d_r_d_rho->noalias() = d_r_d_c * d_q_d_rho;
+  static constexpr bool kInLanes = internal::LaneCamera<Camera>;
+  static constexpr auto kLanes =
+      Fields(&EdgeReprojectionStereoSameOf::uv_host, &EdgeReprojectionStereoSameOf::uv_target);
+
+  template <class T>
+  bool Evaluate(const View<VertexInverseDepth, T>& depth, const Vec<T, 2>& host_uv,
+                const Vec<T, 2>& target_uv, Vec<T, 2>& r, Mat<T, 2, 1>* d_r_d_rho) const {
+    Vec<T, 3> d_q_d_rho;
+    const Vec<T, 3> q = ScaledPoint(depth.rho, host_uv, d_q_d_rho);
+    Mat<T, 2, 3> d_r_d_c;
+    if (!internal::ProjectScaled(camera, q, depth.rho, r, d_r_d_rho ? &d_r_d_c : nullptr)) {
+      return false;
+    }
+    r = r - target_uv;
+    if (d_r_d_rho) *d_r_d_rho = d_r_d_c * d_q_d_rho;
     return true;
+  }
+  bool Evaluate(const VertexInverseDepth& depth, Vector2& r, Jacobian<2, 1>* d_r_d_rho) const {
+    return internal::EvaluateInDouble(*this, std::tie(depth), r, d_r_d_rho);
+  }
+
+  /// Both cameras, as duplicates do not ask for.
+  [[nodiscard]] bool SameInRun(const EdgeReprojectionStereoSameOf& other) const {
+    return T_b_host == other.T_b_host && SameSensor(other);
   }
 
   /// Same target camera: two observations of one landmark by it in its host frame are duplicates.
@@ -44,8 +60,9 @@ struct EdgeReprojectionStereoSameOf {
 
   /// As EdgeReprojection::Depth.
   [[nodiscard]] double Depth(const VertexInverseDepth& depth) const {
-    Vector3 unused;
-    return internal::TwoViewDepth(ScaledPoint(depth.rho, unused)[2], depth.rho);
+    Vec<double, 3> unused;
+    const Vec<double, 2> uv = {{uv_host[0], uv_host[1]}};
+    return internal::TwoViewDepth(ScaledPoint(depth.rho, uv, unused)[2], depth.rho);
   }
 
   [[nodiscard]] Status Validate() const {
@@ -58,10 +75,12 @@ struct EdgeReprojectionStereoSameOf {
 
  private:
   /// rho * point in the target camera, and its derivative.
-  [[nodiscard]] Vector3 ScaledPoint(double rho, Vector3& d_q_d_rho) const {
-    const Matrix3 R_target_b = T_b_target.R().transpose();
-    d_q_d_rho.noalias() = R_target_b * (T_b_host.p() - T_b_target.p());
-    return R_target_b * (T_b_host.R() * Vector3(uv_host[0], uv_host[1], 1.0)) + rho * d_q_d_rho;
+  template <class T>
+  Vec<T, 3> ScaledPoint(const T& rho, const Vec<T, 2>& uv, Vec<T, 3>& d_q_d_rho) const {
+    const auto host = internal::ViewOf<T>(T_b_host), target = internal::ViewOf<T>(T_b_target);
+    const Vec<T, 3> bearing = {{uv[0], uv[1], T(1.0)}};
+    d_q_d_rho = TransposeTimes(target.R, host.p - target.p);
+    return TransposeTimes(target.R, host.R * bearing) + rho * d_q_d_rho;
   }
 };
 
@@ -69,5 +88,7 @@ struct EdgeReprojectionStereoSameOf {
 using EdgeReprojectionStereoSame = EdgeReprojectionStereoSameOf<CameraIdentity>;
 template <>
 inline constexpr TypeInfo kTypeInfo<EdgeReprojectionStereoSame>{"EdgeReprojectionStereoSame"};
+template <>
+inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionStereoSame> = true;
 
 }  // namespace glissade

@@ -7,6 +7,7 @@
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
 #include "glissade/edges/concept.h"
+#include "glissade/edges/lanes.h"
 #include "glissade/vertices/point_xyz.h"
 #include "glissade/vertices/pose.h"
 
@@ -31,28 +32,35 @@ struct EdgeReprojectionXYZOf {
   Pose T_b_c;
   [[no_unique_address]] Camera camera{};
 
-  bool Evaluate(const VertexPose& pose, const VertexPointXYZ& point, Vector2& r,
-                Jacobian<2, 6>* d_r_d_pose, Jacobian<2, 3>* d_r_d_point) const {
-    const Matrix3 R_w_b = pose.pose.R();
-    const Matrix3 R_b_c = T_b_c.R();
-    const Vector3 x_b = R_w_b.transpose() * (point.p() - pose.pose.p());
-    const Vector3 x_c = R_b_c.transpose() * (x_b - T_b_c.p());
+  static constexpr bool kInLanes = internal::LaneCamera<Camera>;
+  static constexpr auto kLanes = Fields(&EdgeReprojectionXYZOf::uv);
+
+  template <class T>
+  bool Evaluate(const View<VertexPose, T>& pose, const View<VertexPointXYZ, T>& point,
+                const Vec<T, 2>& measured, Vec<T, 2>& r, Mat<T, 2, 6>* d_r_d_pose,
+                Mat<T, 2, 3>* d_r_d_point) const {
+    const auto camera_in_body = internal::ViewOf<T>(T_b_c);
+    const Vec<T, 3> x_b = TransposeTimes(pose.R, point.p - pose.p);
+    const Vec<T, 3> x_c = TransposeTimes(camera_in_body.R, x_b - camera_in_body.p);
     const bool linearize = d_r_d_pose || d_r_d_point;
-    Matrix<2, 3> d_r_d_c;
-    if (!camera.Project(x_c, r, linearize ? &d_r_d_c : nullptr)) return false;
-    r -= uv;
-    if (!std::isfinite(r[0] + r[1])) return false;
+    Mat<T, 2, 3> d_r_d_c;
+    if (!internal::ProjectLanes(camera, x_c, r, linearize ? &d_r_d_c : nullptr)) return false;
+    if (!internal::HasValue(r)) return false;
+    r = r - measured;
     if (!linearize) return true;
-    const Matrix<2, 3> d_r_d_b = d_r_d_c * R_b_c.transpose();
-    const Matrix<2, 3> d_r_d_w = d_r_d_b * R_w_b.transpose();
+    const Mat<T, 2, 3> d_r_d_b = d_r_d_c * camera_in_body.R.Transpose();
+    const Mat<T, 2, 3> d_r_d_w = d_r_d_b * pose.R.Transpose();
     if (d_r_d_pose) {
-      for (int row = 0; row < 2; ++row) {
-        d_r_d_pose->row(row).template head<3>() = -d_r_d_w.row(row);
-        d_r_d_pose->row(row).template tail<3>() = Vector3(d_r_d_b.row(row)).cross(x_b).transpose();
-      }
+      d_r_d_pose->Set(0, 0, -d_r_d_w);
+      for (int row = 0; row < 2; ++row)
+        d_r_d_pose->Set(row, 3, Cross(d_r_d_b.Row(row), x_b));
     }
     if (d_r_d_point) *d_r_d_point = d_r_d_w;
     return true;
+  }
+  bool Evaluate(const VertexPose& pose, const VertexPointXYZ& point, Vector2& r,
+                Jacobian<2, 6>* d_r_d_pose, Jacobian<2, 3>* d_r_d_point) const {
+    return internal::EvaluateInDouble(*this, std::tie(pose, point), r, d_r_d_pose, d_r_d_point);
   }
 
   /// Same camera: two observations of one point by it in one frame are duplicates.
@@ -77,5 +85,7 @@ struct EdgeReprojectionXYZOf {
 using EdgeReprojectionXYZ = EdgeReprojectionXYZOf<CameraIdentity>;
 template <>
 inline constexpr TypeInfo kTypeInfo<EdgeReprojectionXYZ>{"EdgeReprojectionXYZ"};
+template <>
+inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionXYZ> = true;
 
 }  // namespace glissade

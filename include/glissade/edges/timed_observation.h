@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "glissade/base/matrix.h"
+#include "glissade/base/small_matrix.h"
 #include "glissade/base/validate.h"
 
 namespace glissade {
@@ -27,5 +28,18 @@ struct TimedObservation {
     return ValidateFinite(&td_0, 1, what);
   }
 };
+
+namespace internal {
+static_assert(sizeof(TimedObservation) == 5 * sizeof(double));
+/// A TimedObservation as the five numbers it is made of.
+template <class T>
+Vec<T, 2> ObservedVelocity(const Vec<T, 5>& observed) {
+  return {{observed[2], observed[3]}};
+}
+template <class T>
+Vec<T, 2> ObservedAt(const Vec<T, 5>& observed, const T& td) {
+  return Vec<T, 2>{{observed[0], observed[1]}} - (td - observed[4]) * ObservedVelocity(observed);
+}
+}  // namespace internal
 
 }  // namespace glissade

@@ -107,8 +107,10 @@ class EdgePool final : public EdgePoolBase {
     return [&]<std::size_t... I>(std::index_sequence<I...>) {
       Vector<kRows> r;
       Jacobians J;
-      const bool ok = At(edge).Evaluate(
-          internal::VertexFromData<EdgeVertex<E, I>>(states[I])..., r,
+      const std::tuple<EdgeVertex<E, I>...> vertices(
+          internal::VertexFromData<EdgeVertex<E, I>>(states[I])...);
+      const bool ok = internal::EvaluateEdge(
+          At(edge), std::tuple<const EdgeVertex<E, I>&...>(std::get<I>(vertices)...), r,
           (jacobians != nullptr && jacobians[I] != nullptr ? &std::get<I>(J) : nullptr)...);
       double poison = internal::Poison<kRows>(r.data());
       if (!ok || poison != 0.0) return false;
@@ -129,6 +131,24 @@ class EdgePool final : public EdgePoolBase {
     }
     (std::make_index_sequence<kArity>{});
   }
+
+  [[nodiscard]] const double* whitening(int edge) const override {
+    return identity_[Index(edge)] != 0 ? nullptr : sqrt_information(edge);
+  }
+  [[nodiscard]] bool SameInRun(int edge, int other) const override {
+    if constexpr (requires(const E& e) { e.SameInRun(e); }) {
+      return At(edge).SameInRun(At(other));
+    } else if constexpr (!kEvaluatesInPacks<E>) {
+      return true;
+    } else if constexpr (requires(const E& e) { e.SameSensor(e); }) {
+      return At(edge).SameSensor(At(other));
+    } else {
+      static_assert(internal::kAllInLanes<E>,
+                    "members that are not in kLanes: the edge needs a SameSensor");
+      return true;
+    }
+  }
+  [[nodiscard]] const void* edges() const override { return edges_.data(); }
 
   void Whiten(int edge, double* residual, double* const* jacobians) const override {
     if (identity_[Index(edge)] != 0) return;
@@ -297,7 +317,8 @@ class EdgePool final : public EdgePoolBase {
 
   template <class... V>
   static bool EvaluateResidual(const E& edge, Vector<kRows>& r, const V&... vertex) {
-    return edge.Evaluate(vertex..., r, static_cast<Jacobian<kRows, V::kTangentDim>*>(nullptr)...);
+    return internal::EvaluateEdge(edge, std::tuple<const V&...>(vertex...), r,
+                                  static_cast<Jacobian<kRows, V::kTangentDim>*>(nullptr)...);
   }
 
   double WhitenedSquaredNorm(int edge, Vector<kRows> r) const {
@@ -321,9 +342,6 @@ class EdgePool final : public EdgePoolBase {
   template <int I, int J>
   static void AccumulatePair(const std::int32_t* words, const Jacobians& jacobians,
                              NormalEquationsSink* sink);
-  template <int I, int L>
-  static void AccumulateW(const std::int32_t* words, const Jacobians& jacobians,
-                          NormalEquationsSink* sink);
 
   Pools pools_;
   std::vector<E> edges_;

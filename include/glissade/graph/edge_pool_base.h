@@ -8,6 +8,7 @@
 
 #include "glissade/edges/concept.h"
 #include "glissade/graph/edge_lists.h"
+#include "glissade/edges/lane_run.h"
 #include "glissade/graph/edge_plan.h"
 #include "glissade/graph/slot_map.h"
 #include "glissade/graph/vertex_pool.h"
@@ -84,6 +85,19 @@ class EdgePoolBase {
   /// FirstEstimateRule says.
   bool EvaluateAt(int edge, const double* const* states, const double* const* points,
                   double* residual, double* const* jacobians) const;
+  /// Values of the edges of a run in lanes. Returns the lane of the first edge without one, or -1.
+  int EvaluateRun(const LaneRun& run, const LaneValues& values,
+                  FirstEstimates first_estimates) const;
+  /// Whether two edges on the same vertices but for the landmark may be in one run.
+  [[nodiscard]] virtual bool SameInRun(int, int) const { return true; }
+  /// L (rows x rows, row-major), null where it is the identity.
+  [[nodiscard]] virtual const double* whitening(int) const { return nullptr; }
+  /// The edges themselves, for evaluate_lanes.
+  [[nodiscard]] virtual const void* edges() const { return nullptr; }
+  /// How to evaluate edges in packs, for types that can; of the unit that first adds one.
+  void set_evaluate_lanes(EvaluateLanes function) {
+    if (evaluate_lanes_ == nullptr) evaluate_lanes_ = function;
+  }
   /// residual <- L residual, jacobians <- L jacobians.
   virtual void Whiten(int edge, double* residual, double* const* jacobians) const = 0;
   /// s = r' Omega r at the present states; NaN where the edge has no finite value.
@@ -96,8 +110,9 @@ class EdgePoolBase {
   /// Two edges on the same vertices that are one observation counted twice.
   [[nodiscard]] virtual bool IsDuplicate(int edge, int other) const = 0;
 
-  /// Adds H, b and cost of the edges in `count` plan records (edge_plan.h) that begin at `words`.
-  /// False at the first edge without a finite value; sink->failed_edge says which.
+  /// Adds H, b and cost of count edges (typed ones: without a free landmark), whose plan records
+  /// (edge_plan.h) start at words. Returns false at the first edge without a finite value, named in
+  /// sink->failed_edge.
   virtual bool Linearize(const std::int32_t* words, int count, NormalEquationsSink* sink) const = 0;
   /// The same, cost only.
   virtual bool Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const = 0;
@@ -121,8 +136,13 @@ class EdgePoolBase {
     return static_cast<std::uint32_t>(losses_.size() - 1);
   }
 
+  int EvaluateOneByOne(const LaneRun& run, const LaneValues& values) const;
+  int EvaluateRelative(const LaneRun& run, const LaneValues& values, EvaluateLanes evaluate) const;
+  [[nodiscard]] bool HasMoved(const LaneRun& run) const;
+
   const TypeInfo* type_;
   const EdgeTraits* traits_;
+  EvaluateLanes evaluate_lanes_ = nullptr;
   internal::SlotMap slots_;
   internal::EdgeLists lists_;
   std::vector<Loss> losses_;

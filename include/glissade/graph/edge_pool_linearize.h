@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-// The hot loop of EdgePool, apart from its bookkeeping. Included by edge_pool.h only.
+// The loop of EdgePool over edges without a landmark, apart from its bookkeeping (those with one go
+// in runs: EvaluateRun). Included by edge_pool.h only.
 
 #include "glissade/graph/edge_pool.h"
 #include "glissade/graph/small_blocks.h"
@@ -19,8 +20,11 @@ bool EdgePool<E>::LinearizeOne(const std::int32_t* words, NormalEquationsSink* s
     if (sink->first_estimates == FirstEstimates::kFull) {
       return EvaluateFirstEstimates(words, r.data(), &J);
     }
-    return At(edge).Evaluate(
-        std::get<I>(pools_)->At(words[plan::State(static_cast<int>(I))])..., r,
+    return internal::EvaluateEdge(
+        At(edge),
+        std::tuple<const EdgeVertex<E, I>&...>(
+            std::get<I>(pools_)->At(words[plan::State(static_cast<int>(I))])...),
+        r,
         (words[plan::Target(kArity, static_cast<int>(I))] != plan::kNone ? &std::get<I>(J)
                                                                          : nullptr)...);
   }
@@ -159,20 +163,6 @@ void EdgePool<E>::AccumulatePair(const std::int32_t* words, const Jacobians& jac
 }
 
 template <EdgeType E>
-template <int I, int L>
-void EdgePool<E>::AccumulateW(const std::int32_t* words, const Jacobians& jacobians,
-                              NormalEquationsSink* sink) {
-  if constexpr (I != L) {
-    const std::int32_t offset = words[plan::WBlock(kArity, I)];
-    if (offset == plan::kNone) return;
-    internal::AddTransposedProduct<kRows, EdgeVertex<E, I>::kTangentDim,
-                                   EdgeVertex<E, L>::kTangentDim>(
-        1.0, std::get<I>(jacobians).data(), std::get<L>(jacobians).data(),
-        sink->landmarks + offset);
-  }
-}
-
-template <EdgeType E>
 template <int I>
 void EdgePool<E>::AccumulateVertex(const std::int32_t* words, const double* r,
                                    const Jacobians& jacobians, NormalEquationsSink* sink) {
@@ -180,19 +170,6 @@ void EdgePool<E>::AccumulateVertex(const std::int32_t* words, const double* r,
   const std::int32_t target = words[plan::Target(kArity, I)];
   if (target == plan::kNone) return;
   const double* J_i = std::get<I>(jacobians).data();
-  if (target == plan::kLandmark) {
-    // Its H_ll and b_l, and W with every free vertex of the edge.
-    if constexpr (kDim <= 4) {
-      double* const record = sink->landmarks + words[plan::kLandmarkRecord];
-      internal::AddTransposedProduct<kRows, kDim, kDim>(1.0, J_i, J_i, record);
-      internal::AddTransposedProduct<kRows, kDim, 1>(-1.0, J_i, r, record + kDim * kDim);
-      [&]<int... K>(std::integer_sequence<int, K...>) {
-        (AccumulateW<K, I>(words, jacobians, sink), ...);
-      }
-      (std::make_integer_sequence<int, kArity>{});
-    }
-    return;
-  }
   internal::AddTransposedProduct<kRows, kDim, 1>(-1.0, J_i, r, sink->b_p + target);
   [&]<int... K>(std::integer_sequence<int, K...>) {
     (AccumulatePair<I, K>(words, jacobians, sink), ...);

@@ -10,6 +10,7 @@
 
 #include "glissade/base/status.h"
 #include "glissade/edges/diagnostics.h"
+#include "glissade/edges/evaluate_in_packs.h"
 #include "glissade/graph/dynamic_edge_pool.h"
 #include "glissade/graph/edge_options.h"
 #include "glissade/graph/edge_pool.h"
@@ -65,12 +66,12 @@ class Graph {
   /// semi-definite.
   /// E: an EdgeType. Not a constraint, so that the compiler says in one line what is wrong with an
   /// edge or its handles (edges/diagnostics.h).
-  template <class E>
+  template <class E, class Unit = internal::UnitOf<E>>
   requires(!std::is_constructible_v<std::unique_ptr<DynamicEdge>, E>) Result<EdgeHandle<E>> AddEdge(
       const E& edge, const std::type_identity_t<EdgeVertices<E>>& vertices,
       const EdgeOptions<E>& options = {});
   /// All or nothing; the options hold for each.
-  template <EdgeType E>
+  template <EdgeType E, class Unit = internal::UnitOf<E>>
   Result<std::vector<EdgeHandle<E>>> AddEdges(std::span<const E> edges,
                                               std::span<const EdgeVertexHandles<E>> vertices,
                                               const EdgeOptions<E>& options = {});

@@ -94,7 +94,7 @@ Status Graph::CheckEdge(const E& edge, const EdgeVertexHandles<E>& vertices) con
   return internal::About(internal::ValidateIfPossible(edge), kTypeInfo<E>.name);
 }
 
-template <class E>
+template <class E, class Unit>
 requires(!std::is_constructible_v<std::unique_ptr<DynamicEdge>, E>)
     Result<EdgeHandle<E>> Graph::AddEdge(const E& edge,
                                          const std::type_identity_t<EdgeVertices<E>>& vertices,
@@ -110,6 +110,7 @@ requires(!std::is_constructible_v<std::unique_ptr<DynamicEdge>, E>)
     if (!status.ok()) return Refused(std::move(status));
     StructureChanged();
     EdgePool<E>& pool = MakeEdgePool<E>();
+    pool.set_evaluate_lanes(internal::UnitEvaluator<E, Unit>());
     pool.Reserve(std::span(&vertices.handles(), 1));
     return pool.Add(edge, vertices.handles(), sqrt.data(), identity, options.loss,
                     structure_version_, Id());
@@ -125,7 +126,7 @@ Status Graph::CheckOptions(const EdgeOptions<E>& options, SquareMatrix<E::kResid
   return internal::About(status, kTypeInfo<E>.name);
 }
 
-template <EdgeType E>
+template <EdgeType E, class Unit>
 Result<std::vector<EdgeHandle<E>>> Graph::AddEdges(std::span<const E> edges,
                                                    std::span<const EdgeVertexHandles<E>> vertices,
                                                    const EdgeOptions<E>& options) {
@@ -150,6 +151,7 @@ Result<std::vector<EdgeHandle<E>>> Graph::AddEdges(std::span<const E> edges,
     if (status = check(k); !status.ok()) return Refused(std::move(status));
   }
   handles.reserve(edges.size());
+  pool.set_evaluate_lanes(internal::UnitEvaluator<E, Unit>());
   pool.Reserve(vertices);
   for (std::size_t k = 0; k < edges.size(); ++k) {
     StructureChanged();

@@ -25,6 +25,7 @@ struct DampingTerm {
   double max_diagonal = 1e32;
 };
 
+class LandmarkRuns;
 class ReprojectionTerms;
 class SchurStorage;
 
@@ -160,6 +161,7 @@ class NormalEquations {
   std::vector<double> residual_;
   std::vector<std::uint8_t> held_;
   LinearizedStates point_;
+  std::unique_ptr<LandmarkRuns> runs_;
   std::unique_ptr<ReprojectionTerms> reprojections_;
   std::unique_ptr<SchurStorage> schur_;
   // What products with an S that is not stored need.

@@ -71,8 +71,8 @@ struct JacobianChecker<E, VertexList<V...>> {
     const bool ok = [&]<std::size_t... I>(std::index_sequence<I...>) {
       (Move(std::get<I>(x), moved == static_cast<int>(I) ? column : -1, t), ...);
       (std::get<I>(J).setConstant(kNan), ...);
-      return edge.Evaluate(std::get<I>(x)..., r,
-                           ((wanted >> I) & 1u ? &std::get<I>(J) : nullptr)...);
+      return EvaluateEdge(edge, std::tuple<const V&...>(std::get<I>(x)...), r,
+                          ((wanted >> I) & 1u ? &std::get<I>(J) : nullptr)...);
     }
     (std::index_sequence_for<V...>{});
     for (int i = 0; i < r.size(); ++i)

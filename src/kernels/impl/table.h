@@ -6,6 +6,7 @@
 
 #include "kernels/impl/cholesky.h"
 #include "kernels/impl/householder.h"
+#include "kernels/impl/lanes.h"
 #include "kernels/impl/left_multiply.h"
 #include "kernels/impl/partial.h"
 #include "kernels/impl/rank_update.h"
@@ -57,6 +58,13 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .schur_update = SchurUpdate,
     .schur_multiply = SchurMultiply,
     .landmark_step = LandmarkStep,
+    .lanes_finite = LanesFinite,
+    .whiten_lanes = WhitenLanes,
+    .lane_squares = LaneSquares,
+    .correct_lanes = CorrectLanes,
+    .scale_lanes = ScaleLanes,
+    .lane_products = LaneProducts,
+    .lane_couplings = LaneCouplings,
     .reprojection_linearize = ReprojectionLinearize,
     .reprojection_cost = ReprojectionCost,
     .reprojection_panel = ReprojectionPanel,

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "glissade/base/matrix.h"
+#include "glissade/base/small_matrix.h"
+#include "glissade/vertices/view.h"
+
+/// \file
+/// Edges whose Evaluate is a template over its scalar type (edges/concept.h): evaluated in packs.
+namespace glissade {
+
+/// The members of an edge that differ from edge to edge of a run: numbers, and arrays of them
+/// (Vector2 and the like). They come to Evaluate after the vertices, in this order.
+template <class E, class... Members>
+constexpr std::tuple<Members E::*...> Fields(Members E::*... members) {
+  return {members...};
+}
+
+/// Whether Evaluate of E is a template over its scalar.
+template <class E>
+inline constexpr bool kEvaluatesInPacks = [] {
+  if constexpr (requires { E::kInLanes; }) {
+    return bool(E::kInLanes);
+  } else {
+    return requires {
+      E::kLanes;
+    };
+  }
+}();
+
+namespace internal {
+
+/// Set for the edges that the library evaluates in packs of the machine it runs on
+/// (src/lanes); others are compiled where they are added.
+template <class E>
+inline constexpr bool kLibraryEvaluates = false;
+
+/// What a member named in kLanes is to Evaluate.
+template <class T, class Member>
+struct LaneOf {
+  static_assert(sizeof(Member) % sizeof(double) == 0, "members in kLanes are made of doubles");
+  static constexpr int kSize = sizeof(Member) / sizeof(double);
+  using Type = Vec<T, kSize>;
+};
+template <class T>
+struct LaneOf<T, double> {
+  static constexpr int kSize = 1;
+  using Type = T;
+};
+
+/// Whether kLanes names all there is in an edge.
+template <class E>
+inline constexpr bool kAllInLanes = std::apply(
+    [](auto... member) {
+      return std::is_empty_v<E> || (sizeof(std::declval<E&>().*member) + ... + 0) == sizeof(E);
+    },
+    E::kLanes);
+
+template <class E, class Member>
+typename LaneOf<double, Member>::Type LaneValue(const E& edge, Member E::*member) {
+  typename LaneOf<double, Member>::Type out;
+  std::memcpy(&out, &(edge.*member), sizeof(out));
+  return out;
+}
+
+/// Single edges say themselves where they have no value; of packs the library tests the results.
+template <class T, int N>
+bool HasValue(const Vec<T, N>& x) {
+  if constexpr (std::is_same_v<T, double>) {
+    for (int i = 0; i < N; ++i) {
+      if (!std::isfinite(x[i])) return false;
+    }
+  }
+  return true;
+}
+
+/// Evaluate of a template edge, for one edge and in the types that other edges use.
+template <class E, class... V, class... J>
+bool EvaluateInDouble(const E& edge, const std::tuple<const V&...>& vertices,
+                      Vector<E::kResidualDim>& r, J*... jacobians) {
+  constexpr int kRows = E::kResidualDim;
+  Vec<double, kRows> out;
+  std::tuple<Mat<double, kRows, J::ColsAtCompileTime>...> blocks;
+  const auto call = [&]<std::size_t... I, std::size_t... K>(std::index_sequence<I...>,
+                                                            std::index_sequence<K...>) {
+    if (!edge.Evaluate(ViewOfState<V>(std::get<I>(vertices).Data())...,
+                       LaneValue(edge, std::get<K>(E::kLanes))..., out,
+                       (jacobians != nullptr ? &std::get<I>(blocks) : nullptr)...)) {
+      return false;
+    }
+    const auto copy = [](const auto& from, auto* to) {
+      constexpr int kSize = static_cast<int>(sizeof(from) / sizeof(double));
+      for (int i = 0; to != nullptr && i < kSize; ++i)
+        to->data()[i] = from[i];
+    };
+    copy(out, &r);
+    (copy(std::get<I>(blocks), jacobians), ...);
+    return true;
+  };
+  return call(
+      std::index_sequence_for<V...>{},
+      std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<decltype(E::kLanes)>>>{});
+}
+
+}  // namespace internal
+}  // namespace glissade

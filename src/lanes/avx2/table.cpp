@@ -1,0 +1,4 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#define GLISSADE_LANES_ISA avx2
+#include "lanes/table.h"

@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linear/landmark_runs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "glissade/graph/robust.h"
+#include "kernels/kernels.h"
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// The first lane of which a number is not finite.
+int FindNotFinite(int lanes, const double* x) {
+  int k = 0;
+  while (std::isfinite(x[k]))
+    ++k;
+  return k % lanes;
+}
+
+}  // namespace
+
+int LandmarkRuns::Evaluate(const Graph& graph, const Run& run, const Values& values,
+                           FirstEstimates first_estimates, Scratch* scratch) const {
+  const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
+  const Vertex* vertex = vertex_.data() + run.vertex_begin;
+  const double *states[kMaxTypedArity], *points[kMaxTypedArity];
+  const bool keeps = first_estimates == FirstEstimates::kFull;
+  for (int i = 0; i < run.arity; ++i) {
+    const VertexPoolBase& vertices = *pool.vertex_pool(0, i);
+    if (i != run.landmark) {
+      states[i] = vertices.Data(vertex[i].index);
+      points[i] = keeps ? vertices.first_estimates().At(vertex[i].index) : nullptr;
+      continue;
+    }
+    states[i] = points[i] = nullptr;
+    for (int s = 0; s < run.count; ++s) {
+      const std::int32_t index = landmark_[Index(run.lane_begin + s)];
+      scratch->states[Index(s)] = vertices.Data(index);
+      scratch->points[Index(s)] = keeps ? vertices.first_estimates().At(index) : nullptr;
+    }
+  }
+  LaneRun lanes;
+  lanes.count = run.count;
+  lanes.lanes = run.lanes;
+  lanes.edges = edge_.data() + run.lane_begin;
+  lanes.landmark = run.landmark;
+  lanes.states = states;
+  lanes.points = points;
+  lanes.landmark_states = scratch->states.data();
+  lanes.landmark_points = scratch->points.data();
+  lanes.work = scratch->work.data();
+  const bool linearizes = values.J[run.landmark] != nullptr;
+  const int failed = pool.EvaluateRun(
+      lanes, {values.r, linearizes ? values.J : nullptr, &scratch->one_by_one}, first_estimates);
+  if (failed >= 0 || run.count == run.lanes) return failed;
+  for (std::int64_t k = 0; k < values.count; k += run.lanes)
+    std::fill(values.r + k + run.count, values.r + k + run.lanes, 0.0);
+  return -1;
+}
+
+LandmarkRuns::Values LandmarkRuns::Place(const Run& run, bool jacobians, Scratch* scratch) const {
+  Values values;
+  double* next = scratch->values.data();
+  const std::int64_t row_of_lanes = std::int64_t{run.rows} * run.lanes;
+  values.r = next;
+  next += row_of_lanes;
+  for (int i = 0; jacobians && i < run.arity; ++i) {
+    const Vertex& vertex = vertex_[Index(run.vertex_begin + i)];
+    if (vertex.target == plan::kNone) continue;
+    values.J[i] = next;
+    next += row_of_lanes * vertex.dim;
+  }
+  values.count = next - values.r;
+  return values;
+}
+
+int LandmarkRuns::Weigh(const Graph& graph, const Run& run, const Values& values, Scratch* scratch,
+                        double* cost) const {
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  const Vertex* vertex = vertex_.data() + run.vertex_begin;
+  if (run.whitening != Whitening::kIdentity) {
+    const double* L = weights_.data() + run.weight_begin;
+    const int per_lane = run.whitening == Whitening::kPerLane ? 1 : 0;
+    kernel.whiten_lanes(run.rows, 1, run.lanes, L, per_lane, values.r, scratch->work.data());
+    for (int i = 0; i < run.arity; ++i) {
+      if (values.J[i] == nullptr) continue;
+      kernel.whiten_lanes(run.rows, vertex[i].dim, run.lanes, L, per_lane, values.J[i],
+                          scratch->work.data());
+    }
+  }
+  double* const squares = scratch->squares.data();
+  const double sum = kernel.lane_squares(run.rows, run.lanes, values.r, squares);
+  if (!std::isfinite(sum)) return FindNotFinite(run.lanes, squares);
+  if (!run.robust) {
+    *cost += 0.5 * sum;
+    return -1;
+  }
+  const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
+  double* const scale = scratch->scale.data();
+  double* const alpha = scratch->alpha.data();
+  double* const residual_scale = squares;  // each is read before it is written
+  for (int s = 0; s < run.count; ++s) {
+    const internal::RobustScale robust(pool.loss(edge_[Index(run.lane_begin + s)]), squares[s]);
+    if (!std::isfinite(robust.cost)) return s;
+    *cost += robust.cost;
+    scale[s] = robust.jacobian_scale;
+    alpha[s] = robust.alpha_over_s;
+    residual_scale[s] = robust.residual_scale;
+  }
+  std::fill(scale + run.count, scale + run.lanes, 0.0);
+  std::fill(alpha + run.count, alpha + run.lanes, 0.0);
+  std::fill(residual_scale + run.count, residual_scale + run.lanes, 0.0);
+  bool linearizes = false;
+  for (int i = 0; i < run.arity; ++i) {
+    if (values.J[i] == nullptr) continue;
+    linearizes = true;
+    kernel.correct_lanes(run.rows, vertex[i].dim, run.lanes, values.r, scale, alpha, values.J[i]);
+  }
+  if (!linearizes) return -1;
+  kernel.scale_lanes(run.rows, run.lanes, residual_scale, values.r);
+  return -1;
+}
+
+void LandmarkRuns::Accumulate(const Run& run, const Values& values,
+                              NormalEquationsSink* sink) const {
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  const Vertex* vertex = vertex_.data() + run.vertex_begin;
+  const double* J_l = values.J[run.landmark];
+  const int dl = vertex[run.landmark].dim;
+  const std::int64_t* record = record_.data() + run.lane_begin;
+  kernel.lane_couplings(run.rows, run.lanes, run.count, dl, J_l, dl, J_l, 1.0, record,
+                        sink->landmarks);
+  kernel.lane_couplings(run.rows, run.lanes, run.count, dl, J_l, 1, values.r, -1.0, record,
+                        sink->landmarks + dl * dl);
+  for (int i = 0; i < run.arity; ++i) {
+    if (i == run.landmark || values.J[i] == nullptr) continue;
+    const int dim = vertex[i].dim;
+    const double* J_i = values.J[i];
+    kernel.lane_products(run.rows, run.lanes, dim, J_i, 1, values.r, -1.0,
+                         sink->b_p + vertex[i].target);
+    kernel.lane_couplings(run.rows, run.lanes, run.count, dim, J_i, dl, J_l, 1.0,
+                          w_.data() + run.w_begin + std::int64_t{i} * run.lanes, sink->landmarks);
+    for (int j = 0; j <= i; ++j) {
+      const std::int64_t offset = h_block_[Index(run.pair_begin + plan::Pair(i, j))];
+      if (offset == plan::kNone) continue;
+      const double* J_j = values.J[j];
+      if (offset >= 0) {
+        kernel.lane_products(run.rows, run.lanes, dim, J_i, vertex[j].dim, J_j, 1.0,
+                             sink->h_pp + offset);
+      } else {
+        kernel.lane_products(run.rows, run.lanes, vertex[j].dim, J_j, dim, J_i, 1.0,
+                             sink->h_pp - offset - 2);
+      }
+    }
+  }
+}
+
+bool LandmarkRuns::Linearize(const Graph& graph, int chunk, NormalEquationsSink* sink,
+                             std::int32_t* pool) {
+  Scratch* scratch = &scratch_[Index(chunk)];
+  for (int k = chunk_begin_[Index(chunk)]; k < chunk_begin_[Index(chunk) + 1]; ++k) {
+    const Run& run = runs_[Index(k)];
+    const Values values = Place(run, true, scratch);
+    int failed = Evaluate(graph, run, values, sink->first_estimates, scratch);
+    if (failed < 0) failed = Weigh(graph, run, values, scratch, &sink->cost);
+    if (failed < 0 && kernels::Kernels().lanes_finite(values.count, values.r) == 0) {
+      failed = FindNotFinite(run.lanes, values.r);
+    }
+    if (failed >= 0) return Fail(run, failed, sink, pool);
+    Accumulate(run, values, sink);
+  }
+  return true;
+}
+
+bool LandmarkRuns::Cost(const Graph& graph, int chunk, NormalEquationsSink* sink,
+                        std::int32_t* pool) {
+  Scratch* scratch = &scratch_[Index(chunk)];
+  for (int k = chunk_begin_[Index(chunk)]; k < chunk_begin_[Index(chunk) + 1]; ++k) {
+    const Run& run = runs_[Index(k)];
+    const Values values = Place(run, false, scratch);
+    int failed = Evaluate(graph, run, values, sink->first_estimates, scratch);
+    if (failed < 0) failed = Weigh(graph, run, values, scratch, &sink->cost);
+    if (failed >= 0) return Fail(run, failed, sink, pool);
+  }
+  return true;
+}
+
+bool LandmarkRuns::Fail(const Run& run, int lane, NormalEquationsSink* sink,
+                        std::int32_t* pool) const {
+  *pool = run.pool;
+  sink->failed_edge = edge_[Index(run.lane_begin + lane)];
+  return false;
+}
+
+}  // namespace glissade

@@ -1,0 +1,216 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// How the edges of landmarks are sorted into runs, and where each run reads and adds.
+
+#include <algorithm>
+
+#include "kernels/kernels.h"
+#include "linear/landmark_runs.h"
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// Values of so many edges stay in the first-level cache while they are used.
+constexpr int kMaxRun = 64;
+constexpr int kPoseColumns = 6;
+
+int RoundUp(int lanes) {
+  return (lanes + kernels::kLaneBlock - 1) / kernels::kLaneBlock * kernels::kLaneBlock;
+}
+
+int LandmarkOf(const std::int32_t* words, int arity) {
+  for (int i = 0; i < arity; ++i) {
+    if (words[plan::Target(arity, i)] == plan::kLandmark) return i;
+  }
+  return -1;
+}
+
+/// Equal for edges on the same vertices but for the landmark, and in the order of these as long as
+/// there are two of them at most.
+std::uint64_t KeyOf(const std::int32_t* words, int arity) {
+  constexpr std::uint64_t kMix = 0x9E3779B97F4A7C15ull;
+  std::uint64_t key = 0;
+  int count = 0;
+  for (int i = 0; i < arity; ++i) {
+    if (words[plan::Target(arity, i)] == plan::kLandmark) continue;
+    const auto index = static_cast<std::uint32_t>(words[plan::State(i)]);
+    key = count++ < 2 ? (key << 32 | index) : (key ^ index) * kMix;
+  }
+  return key;
+}
+
+bool SameVertices(const std::int32_t* a, const std::int32_t* b, int arity) {
+  for (int i = 0; i < arity; ++i) {
+    const bool landmark = a[plan::Target(arity, i)] == plan::kLandmark;
+    if (landmark != (b[plan::Target(arity, i)] == plan::kLandmark)) return false;
+    if (!landmark && a[plan::State(i)] != b[plan::State(i)]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void LandmarkRuns::Plan(const Structure& structure, const Graph& graph) {
+  if (analysis_ == structure.analysis()) {
+    if (weights_version_ != graph.weights_version()) PlanWeights(graph);
+    return;
+  }
+  analysis_ = structure.analysis();
+  const int num_chunks = structure.num_chunks();
+  num_pools_ = graph.edge_pools().size();
+  taken_.assign(Index(num_chunks) * num_pools_, 0);
+  runs_.clear();
+  edge_.clear();
+  landmark_.clear();
+  record_.clear();
+  vertex_.clear();
+  h_block_.clear();
+  w_.clear();
+  chunk_begin_.assign(1, 0);
+  max_values_ = max_work_ = 0;
+  for (int chunk = 0; chunk < num_chunks; ++chunk) {
+    for (const EdgeRun& edges : structure.EdgesOfChunk(chunk)) {
+      const EdgePoolBase& pool = *graph.edge_pools()[Index(edges.pool)];
+      const int arity = pool.fixed_arity();
+      if (arity == 0) continue;
+      // Those on a landmark come first.
+      items_.clear();
+      const std::int32_t* words = structure.Words(edges);
+      for (int k = 0; k < edges.count && words[plan::kLandmarkRecord] != plan::kNone; ++k) {
+        items_.push_back({KeyOf(words, arity), words});
+        words += plan::NumWords(arity);
+      }
+      taken_[Index(chunk) * num_pools_ + Index(edges.pool)] =
+          static_cast<std::int32_t>(items_.size());
+      PlanPool(pool, edges.pool, arity);
+    }
+    chunk_begin_.push_back(static_cast<std::int32_t>(runs_.size()));
+  }
+  scratch_.resize(std::max(scratch_.size(), Index(num_chunks)));
+  for (Scratch& scratch : scratch_) {
+    scratch.values.resize(std::max(scratch.values.size(), max_values_));
+    scratch.work.resize(std::max(scratch.work.size(), max_work_));
+    for (auto* array : {&scratch.squares, &scratch.scale, &scratch.alpha})
+      array->resize(kMaxRun);
+    scratch.states.resize(kMaxRun);
+    scratch.points.resize(kMaxRun);
+  }
+  PlanWeights(graph);
+}
+
+void LandmarkRuns::PlanPool(const EdgePoolBase& pool, int id, int arity) {
+  std::sort(items_.begin(), items_.end());
+  const auto edge = [](const Item& item) { return item.words[plan::kEdge]; };
+  auto begin = items_.begin();
+  while (begin != items_.end()) {
+    auto end = begin + 1;
+    while (end != items_.end() && SameVertices(begin->words, end->words, arity))
+      ++end;
+    // By sensor, in the order in which they come.
+    while (begin != end) {
+      const int first = edge(*begin);
+      auto next = std::find_if(
+          begin + 1, end, [&](const Item& item) { return !pool.SameInRun(first, edge(item)); });
+      if (next != end) {
+        rest_.clear();
+        auto to = next;
+        for (auto from = next; from != end; ++from) {
+          if (pool.SameInRun(first, edge(*from))) {
+            *to++ = *from;
+          } else {
+            rest_.push_back(*from);
+          }
+        }
+        std::copy(rest_.begin(), rest_.end(), to);
+        next = to;
+      }
+      for (; begin < next; begin += std::min<std::ptrdiff_t>(kMaxRun, next - begin)) {
+        AddRun(pool, id, arity, &*begin,
+               static_cast<int>(std::min<std::ptrdiff_t>(kMaxRun, next - begin)));
+      }
+    }
+  }
+}
+
+void LandmarkRuns::AddRun(const EdgePoolBase& pool, int id, int arity, const Item* items,
+                          int count) {
+  const std::int32_t* first = items[0].words;
+  Run run;
+  run.pool = id;
+  run.rows = pool.residual_dim(0);
+  run.arity = arity;
+  run.landmark = LandmarkOf(first, arity);
+  run.count = count;
+  run.lanes = RoundUp(count);
+  run.lane_begin = static_cast<std::int64_t>(edge_.size());
+  run.vertex_begin = static_cast<std::int64_t>(vertex_.size());
+  run.pair_begin = static_cast<std::int64_t>(h_block_.size());
+  run.w_begin = static_cast<std::int64_t>(w_.size());
+  int columns = 1;
+  for (int i = 0; i < arity; ++i) {
+    const int dim = pool.vertex_pool(0, i)->ops().tangent_dim;
+    columns += dim;
+    vertex_.push_back(
+        {i == run.landmark ? -1 : first[plan::State(i)], dim, first[plan::Target(arity, i)]});
+  }
+  for (int p = 0; p < plan::NumPairs(arity); ++p)
+    h_block_.push_back(first[plan::HBlock(arity, p)]);
+  for (int s = 0; s < run.lanes; ++s) {
+    const std::int32_t* words = items[std::min(s, count - 1)].words;
+    edge_.push_back(words[plan::kEdge]);
+    landmark_.push_back(words[plan::State(run.landmark)]);
+    record_.push_back(words[plan::kLandmarkRecord]);
+  }
+  for (int i = 0; i < arity; ++i) {
+    for (int s = 0; s < run.lanes; ++s)
+      w_.push_back(items[std::min(s, count - 1)].words[plan::WBlock(arity, i)]);
+  }
+  max_values_ = std::max(max_values_, Index(run.rows) * Index(columns) * Index(run.lanes));
+  max_work_ = std::max({max_work_, Index(run.rows) * Index(columns),
+                        Index(kPoseColumns * run.rows) * Index(run.lanes)});
+  runs_.push_back(run);
+}
+
+void LandmarkRuns::PlanWeights(const Graph& graph) {
+  weights_version_ = graph.weights_version();
+  weights_.clear();
+  for (Run& run : runs_) {
+    const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
+    const std::int32_t* edges = edge_.data() + run.lane_begin;
+    const int size = run.rows * run.rows;
+    run.weight_begin = static_cast<std::int64_t>(weights_.size());
+    run.whitening = Whitening::kIdentity;
+    run.robust = false;
+    const double* first = pool.whitening(edges[0]);
+    for (int s = 0; s < run.count; ++s) {
+      run.robust = run.robust || !pool.loss(edges[s]).trivial();
+      const double* L = pool.whitening(edges[s]);
+      if (first == nullptr && L == nullptr) continue;
+      if (first != nullptr && L != nullptr && std::equal(L, L + size, first)) {
+        if (run.whitening == Whitening::kIdentity) run.whitening = Whitening::kCommon;
+      } else {
+        run.whitening = Whitening::kPerLane;
+      }
+    }
+    if (run.whitening == Whitening::kCommon) {
+      weights_.insert(weights_.end(), first, first + size);
+    } else if (run.whitening == Whitening::kPerLane) {
+      weights_.resize(weights_.size() + Index(size) * Index(run.lanes), 0.0);
+      double* out = weights_.data() + run.weight_begin;
+      for (int s = 0; s < run.lanes; ++s) {
+        const double* L = pool.whitening(edges[s]);
+        for (int k = 0; k < size; ++k) {
+          out[k * run.lanes + s] = L != nullptr ? L[k] : (k % (run.rows + 1) == 0 ? 1.0 : 0.0);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace glissade
