@@ -154,12 +154,14 @@ int EdgePoolBase::EvaluateOneByOne(const LaneRun& run, const LaneValues& values)
     J[i] = values.J != nullptr && values.J[i] != nullptr ? next : nullptr;
     next += sizes[i];
   }
+  const bool keeps = HasMoved(run);
+  double* const* wanted = values.J != nullptr ? J : nullptr;
   for (int s = 0; s < run.count; ++s) {
     states[run.landmark] = run.landmark_states[s];
     points[run.landmark] = run.landmark_points[s];
-    if (!EvaluateAt(run.edges[s], states, points, run.work, values.J != nullptr ? J : nullptr)) {
-      return s;
-    }
+    const bool ok = keeps ? EvaluateAt(run.edges[s], states, points, run.work, wanted)
+                          : Evaluate(run.edges[s], states, run.work, wanted);
+    if (!ok) return s;
     for (int k = 0; k < rows; ++k)
       values.r[k * run.lanes + s] = run.work[k];
     for (int i = 0; i < count; ++i) {
