@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "glissade/base/pack.h"
 #include "glissade/cameras/concept.h"
 #include "glissade/edges/lanes.h"
 #include "glissade/vertices/view.h"
