@@ -16,12 +16,11 @@ std::size_t Index(std::int64_t i) {
   return static_cast<std::size_t>(i);
 }
 
-/// The first lane of which a number is not finite.
-int FindNotFinite(int lanes, const double* x) {
-  int k = 0;
-  while (std::isfinite(x[k]))
-    ++k;
-  return k % lanes;
+/// The first lane of which one of `count` numbers is not finite, or -1.
+int FindNotFinite(int lanes, std::int64_t count, const double* x) {
+  const double* const end = x + count;
+  const double* const found = std::find_if_not(x, end, [](double a) { return std::isfinite(a); });
+  return found != end ? static_cast<int>((found - x) % lanes) : -1;
 }
 
 }  // namespace
@@ -97,10 +96,14 @@ int LandmarkRuns::Weigh(const Graph& graph, const Run& run, const Values& values
   }
   double* const squares = scratch->squares.data();
   const double sum = kernel.lane_squares(run.rows, run.lanes, values.r, squares);
-  if (!std::isfinite(sum)) return FindNotFinite(run.lanes, squares);
+  if (!std::isfinite(sum)) {
+    // Not the sum alone, which is for who adds up the costs to find.
+    const int failed = FindNotFinite(run.lanes, std::int64_t{run.rows} * run.lanes, values.r);
+    if (failed >= 0) return failed;
+  }
   if (!run.robust) {
     *cost += 0.5 * sum;
-    return -1;
+    return std::isfinite(sum) ? -1 : FindNotFinite(run.lanes, run.lanes, squares);
   }
   const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
   double* const scale = scratch->scale.data();
@@ -171,7 +174,7 @@ bool LandmarkRuns::Linearize(const Graph& graph, int chunk, NormalEquationsSink*
     int failed = Evaluate(graph, run, values, sink->first_estimates, scratch);
     if (failed < 0) failed = Weigh(graph, run, values, scratch, &sink->cost);
     if (failed < 0 && kernels::Kernels().lanes_finite(values.count, values.r) == 0) {
-      failed = FindNotFinite(run.lanes, values.r);
+      failed = FindNotFinite(run.lanes, values.count, values.r);
     }
     if (failed >= 0) return Fail(run, failed, sink, pool);
     Accumulate(run, values, sink);

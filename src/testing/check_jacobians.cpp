@@ -50,6 +50,9 @@ class Checker {
         J += rows_ * Columns(v);
       }
     }
+    for (int v = 0; v < edge_.vertices && edge_.in_packs && result_.message.empty(); ++v) {
+      if (Columns(v) <= 4) CheckPacks(v);  // else it is no landmark: no run has it
+    }
     result_.ok = result_.message.empty();
     return result_;
   }
@@ -90,6 +93,38 @@ class Checker {
     if (!edge_.evaluate(-1, -1, 0.0, 1u << vertex, r.data(), alone.data()) || !SameResidual(r) ||
         !Near(alone, J, 1e-12 * MaxAbs(J, alone.size()))) {
       return Fail(Name(vertex) + "asked for alone it differs from all together");
+    }
+    return true;
+  }
+
+  bool CheckPacks(int landmark) {
+    constexpr int kLanes = 24, kCount = 19;  // the last pack is not full, however wide
+    const std::size_t numbers = rows_ + J_.size();
+    std::vector<double> packs(numbers * kLanes, std::nan("")), single(packs);
+    double steps[kLanes];
+    for (int s = 0; s < kLanes; ++s)
+      steps[s] = options_.step * (s - kCount / 2) / kLanes;
+    const int failed = edge_.in_packs(landmark, kCount, kLanes, steps, packs.data(), single.data());
+    if (failed >= 0) return Fail("no value in packs where it has one alone");
+    for (int s = 0; s < kCount; ++s) {
+      std::vector<double> one(numbers), other(numbers);
+      for (std::size_t n = 0; n < numbers; ++n) {
+        one[n] = single[n * kLanes + static_cast<std::size_t>(s)];
+        other[n] = packs[n * kLanes + static_cast<std::size_t>(s)];
+      }
+      const auto same = [&](std::size_t begin, std::size_t count, double floor) {
+        const std::vector<double> part(one.begin() + static_cast<std::ptrdiff_t>(begin),
+                                       one.begin() + static_cast<std::ptrdiff_t>(begin + count));
+        return Near(part, other.data() + begin, 1e-11 * (floor + MaxAbs(part.data(), count)));
+      };
+      if (!same(0, rows_, 1.0)) return Fail("the residual in packs differs from that of one edge");
+      std::size_t begin = rows_;
+      for (int v = 0; v < edge_.vertices; ++v) {
+        if (!same(begin, rows_ * Columns(v), 0.0)) {
+          return Fail(Name(v) + "in packs it differs from that of one edge");
+        }
+        begin += rows_ * Columns(v);
+      }
     }
     return true;
   }

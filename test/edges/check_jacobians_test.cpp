@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <string>
+#include <type_traits>
 
 #include "glissade/vertices/vector.h"
 
@@ -92,6 +93,53 @@ TEST(CheckJacobians, FindsOutputsThatDependOnEachOther) {
 
 TEST(CheckJacobians, NeedsAPointWithAValue) {
   EXPECT_NE(Check<Fault::kReturnsFalse>().message.find("returned false"), std::string::npos);
+}
+
+enum class PackFault { kNone, kReadsTheMember, kWrongJacobian, kWrongResidual };
+
+/// The form in packs, with faults that one edge alone does not have.
+template <PackFault fault>
+struct EdgeInPacks {
+  using Vertices = VertexList<VertexVector<5>, VertexVector<2>>;
+  static constexpr int kResidualDim = 1;
+  double measured = 0.3;
+  static constexpr auto kLanes = Fields(&EdgeInPacks::measured);
+
+  template <class T>
+  bool Evaluate(const View<VertexVector<5>, T>& x, const View<VertexVector<2>, T>& y, const T& at,
+                Vec<T, 1>& r, Mat<T, 1, 5>* d_x, Mat<T, 1, 2>* d_y) const {
+    constexpr bool kPacks = !std::is_same_v<T, double>;
+    const T factor = kPacks && fault == PackFault::kWrongResidual ? T(1.0 + 1e-9) : T(1.0);
+    r[0] = factor * x[0] * y[0] + y[1] - (fault == PackFault::kReadsTheMember ? T(measured) : at);
+    T bend = T(0.0);
+    if (y[0] > T(1.3)) {  // not so in all lanes
+      bend = y[0] - T(1.3);
+      r[0] += bend * bend;
+    }
+    if (d_x) *d_x = {{y[0], T(0.0), T(0.0), T(0.0), T(0.0)}};
+    if (d_y) {
+      const T sign = T(kPacks && fault == PackFault::kWrongJacobian ? -1.0 : 1.0);
+      *d_y = {{sign * x[0] + T(2.0) * bend, T(1.0)}};
+    }
+    return true;
+  }
+};
+
+template <PackFault fault>
+JacobianCheck Check() {
+  return CheckJacobians(EdgeInPacks<fault>{}, VertexVector<5>{{0.7, -0.4, 0.1, 0.2, 0.3}},
+                        VertexVector<2>{{1.3002, 0.4}}, JacobianCheckOptions{.step = 1e-3});
+}
+
+TEST(CheckJacobians, ChecksTheFormInPacksToo) {
+  const JacobianCheck check = Check<PackFault::kNone>();
+  EXPECT_TRUE(check.ok) << check.message;
+  EXPECT_NE(Check<PackFault::kReadsTheMember>().message.find("the residual in packs"),
+            std::string::npos);
+  EXPECT_NE(Check<PackFault::kWrongResidual>().message.find("the residual in packs"),
+            std::string::npos);
+  EXPECT_NE(Check<PackFault::kWrongJacobian>().message.find("Jacobian 1: in packs"),
+            std::string::npos);
 }
 
 /// Central differences at h = 1e-6 alone would miss by more than 1e-7 here.

@@ -315,5 +315,18 @@ TEST(LandmarkRuns, AnEdgeThatIsNotFiniteInOneLaneIsNamed) {
   }
 }
 
+/// Squares that are numbers, and a sum of them that is none: it was looked for beyond their end.
+TEST(LandmarkRuns, ACostThatOverflowsNamesNoEdge) {
+  Problem problem;
+  const VertexHandle<VertexPose> pose = problem.AddVertex(VertexPose{});
+  for (int k = 0; k < 3; ++k) {
+    const VertexHandle<VertexPointXYZ> point = problem.AddVertex(VertexPointXYZ(1.0 + k, 0.0, 0.0));
+    ASSERT_TRUE(problem.AddEdge(RangeInPacks{-1.3e154}, {pose, point}).ok());
+  }
+  const SolveSummary summary = problem.Solve();
+  EXPECT_EQ(summary.status.code(), StatusCode::kNotFinite) << summary.status.message();
+  EXPECT_FALSE(summary.status.edge());
+}
+
 }  // namespace
 }  // namespace glissade

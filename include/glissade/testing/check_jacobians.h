@@ -2,14 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "glissade/edges/concept.h"
+#include "glissade/edges/evaluate_in_packs.h"
 
 namespace glissade {
 
@@ -51,15 +55,37 @@ struct EdgeUnderTest {
   /// row-major order (null: none).
   std::function<bool(int moved, int column, double t, unsigned wanted, double* r, double* J)>
       evaluate;
+  /// For an edge that is evaluated in packs, else empty: `count` such edges on the same vertices
+  /// but for vertex `landmark`, in `lanes` lanes (a multiple of 8). Landmark and kLanes of edge s
+  /// are moved by steps[s] from what is given, unless the edge has no value there. Both buffers
+  /// take residual and Jacobians as LaneValues has them, one after the other: of the edges in
+  /// packs, and of one edge at a time. Returns the first edge that has no value in packs, or -1.
+  std::function<int(int landmark, int count, int lanes, const double* steps, double* packs,
+                    double* single)>
+      in_packs;
 };
 
 JacobianCheck RunJacobianCheck(const EdgeUnderTest& edge, const JacobianCheckOptions& options);
 
-template <class E, class List>
+/// Adds t to the numbers of an edge that differ from lane to lane, in units of their size.
+template <class E>
+void MoveLanes(E* edge, double t) {
+  const auto move = [&](auto member) {
+    constexpr std::size_t kCount = sizeof(edge->*member) / sizeof(double);
+    double numbers[kCount];
+    std::memcpy(numbers, &(edge->*member), sizeof(numbers));
+    for (double& x : numbers)
+      x += t * (1.0 + (x < 0.0 ? -x : x));
+    std::memcpy(&(edge->*member), numbers, sizeof(numbers));
+  };
+  std::apply([&](auto... member) { (move(member), ...); }, E::kLanes);
+}
+
+template <class E, class Unit, class List>
 struct JacobianChecker;
 
-template <class E, class... V>
-struct JacobianChecker<E, VertexList<V...>> {
+template <class E, class Unit, class... V>
+struct JacobianChecker<E, Unit, VertexList<V...>> {
   static_assert(sizeof...(V) <= 32);
 
   static bool Evaluate(const E& edge, std::tuple<V...> x, int moved, int column, double t,
@@ -97,17 +123,78 @@ struct JacobianChecker<E, VertexList<V...>> {
     vertex.Plus(delta);
   }
 
+  static constexpr int kColumns[] = {V::kTangentDim...};
+
+  /// See EdgeUnderTest::in_packs.
+  static int InPacks(const E& edge, const std::tuple<V...>& x, int landmark, int count, int lanes,
+                     const double* steps, double* packs, double* single) {
+    constexpr int kRows = E::kResidualDim, kNumbers = kRows * (1 + (V::kTangentDim + ... + 0));
+    const auto size = static_cast<std::size_t>(lanes);
+    std::vector<E> edges(size, edge);
+    std::vector<std::tuple<V...>> vertices(size, x);
+    std::vector<std::int32_t> edge_of_lane;
+    std::vector<const double*> landmarks;
+    for (int s = 0; s < lanes; ++s) {
+      const auto at = static_cast<std::size_t>(s);
+      // Padding repeats the last edge.
+      const int k = s < count ? s : count - 1;
+      const int column = k % kColumns[landmark];
+      double r[kRows], J[kNumbers - kRows];
+      MoveLanes(&edges[at], steps[k]);
+      bool moves = Evaluate(edges[at], x, landmark, column, steps[k], ~0u, r, J);
+      for (int n = 0; n < kNumbers; ++n)
+        moves = moves && IsFinite(n < kRows ? r[n] : J[n - kRows]);
+      if (!moves) {
+        edges[at] = edge;
+        Evaluate(edge, x, -1, -1, 0.0, ~0u, r, J);
+      }
+      ForEachIndex<static_cast<int>(sizeof...(V))>([&](auto i) {
+        auto& vertex = std::get<i()>(vertices[at]);
+        if (i != landmark) return;
+        Move(vertex, moves ? column : -1, steps[k]);
+        landmarks.push_back(vertex.Data());
+      });
+      edge_of_lane.push_back(s < count ? s : count - 1);
+      for (int n = 0; n < kNumbers; ++n)
+        single[n * lanes + s] = n < kRows ? r[n] : J[n - kRows];
+    }
+    LaneRun run;
+    run.count = count;
+    run.lanes = lanes;
+    run.edges = edge_of_lane.data();
+    run.landmark = landmark;
+    run.landmark_states = landmarks.data();
+    const double* states[sizeof...(V)];
+    double* J[sizeof...(V)];
+    double* next = packs + kRows * lanes;
+    ForEachIndex<static_cast<int>(sizeof...(V))>([&](auto i) {
+      states[i] = std::get<i()>(x).Data();
+      J[i] = next;
+      next += kRows * kColumns[i] * lanes;
+    });
+    run.states = states;
+    return PackEvaluator<E, Unit>::Evaluate(edges.data(), run, {packs, J, nullptr});
+  }
+  static bool IsFinite(double x) { return x - x == 0.0; }
+
   static JacobianCheck Run(const E& edge, const V&... vertices,
                            const JacobianCheckOptions& options = {}) {
-    static constexpr int kColumns[] = {V::kTangentDim...};
     const std::tuple<V...> x(vertices...);
-    return RunJacobianCheck(
-        {kTypeInfo<E>.name, E::kResidualDim, static_cast<int>(sizeof...(V)),
-         [](int vertex) { return kColumns[vertex]; },
-         [&](int moved, int column, double t, unsigned wanted, double* r, double* J) {
-           return Evaluate(edge, x, moved, column, t, wanted, r, J);
-         }},
-        options);
+    EdgeUnderTest test{kTypeInfo<E>.name,
+                       E::kResidualDim,
+                       static_cast<int>(sizeof...(V)),
+                       [](int vertex) { return kColumns[vertex]; },
+                       [&](int moved, int column, double t, unsigned wanted, double* r, double* J) {
+                         return Evaluate(edge, x, moved, column, t, wanted, r, J);
+                       },
+                       {}};
+    if constexpr (kEvaluatesInPacks<E>) {
+      test.in_packs = [&](int landmark, int count, int lanes, const double* steps, double* packs,
+                          double* single) {
+        return InPacks(edge, x, landmark, count, lanes, steps, packs, single);
+      };
+    }
+    return RunJacobianCheck(test, options);
   }
 };
 
@@ -122,11 +209,16 @@ struct JacobianChecker<E, VertexList<V...>> {
 /// Every output is poisoned first and must be written; the residual must be the same whether or not
 /// Jacobians are asked for, and each Jacobian the same whether or not the others are; each must
 /// equal central differences of the residual along the vertex's own Plus, extrapolated to step
-/// zero. Choose a point where Evaluate returns true and that is no closer to a discontinuity of the
+/// zero. An edge whose Evaluate is a template over its scalar is also evaluated in packs of this
+/// unit, edges with other measurements and landmarks beside it, and must be what it is alone.
+/// Choose a point where Evaluate returns true and that is no closer to a discontinuity of the
 /// residual (an angle of pi) than about 1e-6.
-template <EdgeType E, class... Args>
+template <EdgeType E,
+          class Unit = std::conditional_t<kEvaluatesInPacks<E>, internal::ThisUnit, void>,
+          class... Args>
 JacobianCheck CheckJacobians(const E& edge, const Args&... vertices_and_options) {
-  return internal::JacobianChecker<E, typename E::Vertices>::Run(edge, vertices_and_options...);
+  return internal::JacobianChecker<E, Unit, typename E::Vertices>::Run(edge,
+                                                                       vertices_and_options...);
 }
 
 }  // namespace glissade
