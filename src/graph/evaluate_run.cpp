@@ -85,6 +85,10 @@ void MoveRelativePointLanes(int rows, const LaneRun& run, const double* lin_b,
 
 }  // namespace
 
+bool EdgePoolBase::evaluates_in_packs() const {
+  return lanes::EvaluatorOf(type_) != nullptr || evaluate_lanes_ != nullptr;
+}
+
 int EdgePoolBase::EvaluateRun(const LaneRun& run, const LaneValues& values,
                               FirstEstimates first_estimates) const {
   const EvaluateLanes library = lanes::EvaluatorOf(type_);

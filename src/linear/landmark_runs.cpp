@@ -57,7 +57,8 @@ int LandmarkRuns::Evaluate(const Graph& graph, const Run& run, const Values& val
   lanes.work = scratch->work.data();
   const bool linearizes = values.J[run.landmark] != nullptr;
   const int failed = pool.EvaluateRun(
-      lanes, {values.r, linearizes ? values.J : nullptr, &scratch->one_by_one}, first_estimates);
+      lanes, {values.r, linearizes ? values.J : nullptr, scratch->redone + run.pool},
+      first_estimates);
   if (failed >= 0 || run.count == run.lanes) return failed;
   for (std::int64_t k = 0; k < values.count; k += run.lanes)
     std::fill(values.r + k + run.count, values.r + k + run.lanes, 0.0);
@@ -168,6 +169,7 @@ void LandmarkRuns::Accumulate(const Run& run, const Values& values,
 bool LandmarkRuns::Linearize(const Graph& graph, int chunk, NormalEquationsSink* sink,
                              std::int32_t* pool) {
   Scratch* scratch = &scratch_[Index(chunk)];
+  scratch->redone = redone_.data() + Index(chunk) * num_pools_;
   for (int k = chunk_begin_[Index(chunk)]; k < chunk_begin_[Index(chunk) + 1]; ++k) {
     const Run& run = runs_[Index(k)];
     const Values values = Place(run, true, scratch);
@@ -185,6 +187,7 @@ bool LandmarkRuns::Linearize(const Graph& graph, int chunk, NormalEquationsSink*
 bool LandmarkRuns::Cost(const Graph& graph, int chunk, NormalEquationsSink* sink,
                         std::int32_t* pool) {
   Scratch* scratch = &scratch_[Index(chunk)];
+  scratch->redone = redone_.data() + Index(chunk) * num_pools_;
   for (int k = chunk_begin_[Index(chunk)]; k < chunk_begin_[Index(chunk) + 1]; ++k) {
     const Run& run = runs_[Index(k)];
     const Values values = Place(run, false, scratch);

@@ -24,6 +24,15 @@ class LandmarkRuns {
   [[nodiscard]] std::int32_t Taken(int chunk, int pool) const {
     return taken_[static_cast<std::size_t>(chunk) * num_pools_ + static_cast<std::size_t>(pool)];
   }
+  [[nodiscard]] bool IsPlanned(const Structure& structure) const {
+    return analysis_ != 0 && analysis_ == structure.analysis();
+  }
+  /// Packs of a chunk's part of a pool whose edges were evaluated once more, one by one, because
+  /// lanes disagreed about a condition; since ForgetRedone().
+  [[nodiscard]] std::int64_t Redone(int chunk, int pool) const {
+    return redone_[static_cast<std::size_t>(chunk) * num_pools_ + static_cast<std::size_t>(pool)];
+  }
+  void ForgetRedone() { redone_.assign(redone_.size(), 0); }
   /// Adds the chunk's part of H, b and cost. False where an edge has no finite value: *pool and
   /// sink->failed_edge tell which.
   bool Linearize(const Graph& graph, int chunk, NormalEquationsSink* sink, std::int32_t* pool);
@@ -63,7 +72,7 @@ class LandmarkRuns {
   struct Scratch {
     std::vector<double> values, work, squares, scale, alpha;
     std::vector<const double*> states, points;  // of the landmarks of a run
-    std::int64_t one_by_one = 0;
+    std::int64_t* redone = nullptr;             // of the chunk, per pool
   };
   struct Values {
     double* r = nullptr;
@@ -89,6 +98,7 @@ class LandmarkRuns {
   std::uint64_t weights_version_ = 0;
   std::size_t num_pools_ = 0;
   std::vector<std::int32_t> taken_;
+  std::vector<std::int64_t> redone_;
   std::vector<Run> runs_;
   std::vector<std::int32_t> chunk_begin_;  // runs of chunk c: [chunk_begin_[c], chunk_begin_[c+1])
   std::vector<std::int32_t> edge_;         // per lane; of padding: as the lane before it

@@ -65,6 +65,8 @@ void LandmarkRuns::Plan(const Structure& structure, const Graph& graph) {
   const int num_chunks = structure.num_chunks();
   num_pools_ = graph.edge_pools().size();
   taken_.assign(Index(num_chunks) * num_pools_, 0);
+  // Of as many chunks and pools: an analysis within a solve.
+  if (redone_.size() != taken_.size()) redone_.assign(taken_.size(), 0);
   runs_.clear();
   edge_.clear();
   landmark_.clear();

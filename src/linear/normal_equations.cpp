@@ -199,6 +199,35 @@ StepFailure NormalEquations::Cost(const Structure& structure, const Graph& graph
   return CheckCosts(structure, graph, cost);
 }
 
+void NormalEquations::ListEvaluations(const Structure& structure, const Graph& graph,
+                                      std::vector<EdgeEvaluation>* out) const {
+  out->clear();
+  if (!runs_->IsPlanned(structure)) return;
+  // The graph may have got other pools since.
+  const std::size_t num_pools =
+      std::min(graph.edge_pools().size(), structure.EdgesOfChunk(0).size());
+  for (std::size_t p = 0; p < num_pools; ++p) {
+    const EdgePoolBase& pool = *graph.edge_pools()[p];
+    const int id = static_cast<int>(p);
+    EdgeEvaluation entry;
+    entry.type = pool.type()->name;
+    for (int chunk = 0; chunk < structure.num_chunks(); ++chunk) {
+      const int taken = runs_->Taken(chunk, id);
+      (pool.evaluates_in_packs() ? entry.in_packs : entry.one_by_one) += taken;
+      entry.one_by_one += structure.EdgesOfChunk(chunk)[p].count - taken;
+      entry.packs_redone += runs_->Redone(chunk, id);
+    }
+    if (pool.type() == &kTypeInfo<EdgeReprojection>) {
+      entry.fused = structure.reprojections().num_edges;
+    }
+    if (entry.fused + entry.in_packs + entry.one_by_one > 0) out->push_back(entry);
+  }
+}
+
+void NormalEquations::ForgetRedonePacks() {
+  runs_->ForgetRedone();
+}
+
 double NormalEquations::MaxGradient() const {
   double largest = 0.0, poison = 0.0;
   for (const double b : b_) {

@@ -15,9 +15,12 @@ namespace {
 void Reset(const SolveOptions& options, SolveSummary* summary) {
   // In place, so that the storage of the last summary serves again.
   std::vector<IterationSummary> iterations = std::move(summary->iterations);
+  std::vector<EdgeEvaluation> edges = std::move(summary->edges);
   iterations.clear();
+  edges.clear();
   *summary = {};
   summary->iterations = std::move(iterations);
+  summary->edges = std::move(edges);
   summary->iterations.reserve(
       static_cast<std::size_t>(std::clamp(options.max_iterations, 0, 4095)) + 1);
 }
@@ -25,6 +28,7 @@ void Reset(const SolveOptions& options, SolveSummary* summary) {
 void Run(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options,
          Clock::time_point start) {
   workspace->Restore();
+  workspace->equations.ForgetRedonePacks();
   RelativeRules relative(options, *graph, *workspace);
   CourseRules course;
   StoppingRules* rules = &relative;
@@ -39,6 +43,7 @@ void Run(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options,
   } else {
     run(LevenbergMarquardtStrategy(graph, workspace, options, start));
   }
+  workspace->equations.ListEvaluations(workspace->structure, *graph, &workspace->summary.edges);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "glissade/glissade.h"
@@ -313,6 +314,33 @@ TEST(LandmarkRuns, AnEdgeThatIsNotFiniteInOneLaneIsNamed) {
     EXPECT_EQ(summary.status.code(), StatusCode::kEvaluationFailed);
     EXPECT_EQ(summary.status.edge(), AnyEdge(culprit)) << summary.status.message();
   }
+}
+
+TEST(LandmarkRuns, SummarySaysHowEdgesWereEvaluated) {
+  const auto find = [](const SolveSummary& summary, std::string_view type) {
+    for (const EdgeEvaluation& entry : summary.edges) {
+      if (entry.type == type) return entry;
+    }
+    return EdgeEvaluation{};
+  };
+  Problem packs = MakeProblem<true>(7, 5, 40), single = MakeProblem<false>(7, 5, 40);
+  const SolveSummary one = packs.Solve();
+  const SolveSummary other = single.Solve();
+  const EdgeEvaluation bent = find(one, kTypeInfo<BentInPacks>.name);
+  const EdgeEvaluation offset = find(one, kTypeInfo<OffsetInPacks>.name);
+  const EdgeEvaluation alone = find(other, kTypeInfo<OneByOne<BentInPacks>>.name);
+  EXPECT_GT(bent.in_packs, 100);
+  EXPECT_EQ(bent.one_by_one, 0);
+  EXPECT_GT(bent.packs_redone, 0);
+  EXPECT_EQ(offset.in_packs, 2 * bent.in_packs);
+  EXPECT_EQ(offset.packs_redone, 0);
+  EXPECT_EQ(alone.in_packs, 0);
+  EXPECT_EQ(alone.one_by_one, bent.in_packs);
+  // Of one solve, not of all.
+  const std::int64_t redone = bent.packs_redone;
+  Problem again = MakeProblem<true>(7, 5, 40);
+  ASSERT_TRUE(again.Solve().ok());
+  EXPECT_LE(find(again.Solve(), kTypeInfo<BentInPacks>.name).packs_redone, redone);
 }
 
 /// Squares that are numbers, and a sum of them that is none: it was looked for beyond their end.

@@ -125,6 +125,24 @@ constexpr void ExplainEvaluate() {
   }
 }
 
+template <class E, class List, class Lanes>
+struct ExpectedInPacks;
+template <class E, class... V, class... M>
+struct ExpectedInPacks<E, VertexList<V...>, std::tuple<M E::*...>> {
+  using Type = bool(const View<V, double>&..., const typename LaneOf<double, M>::Type&...,
+                    Vec<double, E::kResidualDim>&,
+                    Mat<double, E::kResidualDim, V::kTangentDim>*...) const;
+};
+
+/// The same for an Evaluate that is a template over its scalar.
+template <class E, class Expected>
+constexpr void ExplainInPacks() {
+  static_assert(kIsTemplateEdge<E>,
+                "an edge with kLanes has an Evaluate that is a template over the scalar T (here "
+                "double), const, returns bool, and takes a View of each vertex, the members named "
+                "in kLanes, the residual, and a Jacobian pointer for each vertex: see Expected");
+}
+
 template <class E>
 constexpr void ExplainEdge() {
   if constexpr (!EdgeHasVertices<E>) {
@@ -132,6 +150,9 @@ constexpr void ExplainEdge() {
   } else if constexpr (!EdgeHasResidualDim<E>) {
     static_assert(EdgeHasResidualDim<E>,
                   "an edge type declares `static constexpr int kResidualDim`, at least 1");
+  } else if constexpr (!EdgeHasEvaluate<E> && requires { E::kLanes; }) {
+    ExplainInPacks<E, typename ExpectedInPacks<E, typename E::Vertices,
+                                               std::remove_cvref_t<decltype(E::kLanes)>>::Type>();
   } else if constexpr (!EdgeHasEvaluate<E>) {
     ExplainEvaluate<E, typename ExpectedEvaluate<E, typename E::Vertices>::Type,
                     WrongJacobian<E>()>();

@@ -94,6 +94,8 @@ class EdgePoolBase {
   [[nodiscard]] virtual const double* whitening(int) const { return nullptr; }
   /// The edges themselves, for evaluate_lanes.
   [[nodiscard]] virtual const void* edges() const { return nullptr; }
+  /// Whether EvaluateRun takes several edges at once.
+  [[nodiscard]] bool evaluates_in_packs() const;
   /// How to evaluate edges in packs, for types that can; of the unit that first adds one.
   void set_evaluate_lanes(EvaluateLanes function) {
     if (evaluate_lanes_ == nullptr) evaluate_lanes_ = function;

@@ -9,6 +9,7 @@
 
 #include "glissade/base/status.h"
 #include "glissade/base/thread_pool.h"
+#include "glissade/linear/edge_evaluation.h"
 #include "glissade/linear/hessian.h"
 #include "glissade/linear/linear_solver.h"
 #include "glissade/linear/linearized_states.h"
@@ -62,6 +63,12 @@ class NormalEquations {
   /// The cost alone, after Linearize. NaN-free: an edge without a value is a failure.
   StepFailure Cost(const Structure& structure, const Graph& graph, ThreadPool* threads,
                    double* cost);
+
+  /// How the edges of the last linearization are evaluated, one entry for each type that has any.
+  /// Redone packs are counted since ForgetRedonePacks().
+  void ListEvaluations(const Structure& structure, const Graph& graph,
+                       std::vector<EdgeEvaluation>* out) const;
+  void ForgetRedonePacks();
 
   /// All blocks of the reduced system that can be non-zero: what LinearSolver::Form() is asked
   /// with.

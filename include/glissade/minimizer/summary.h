@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "glissade/base/status.h"
+#include "glissade/linear/edge_evaluation.h"
 
 namespace glissade {
 
@@ -69,6 +70,7 @@ struct SolveSummary {
   int num_threads = 1;          ///< that worked
   int num_threads_refused = 0;  ///< that the system did not give (SolveOptions::num_threads)
   std::vector<IterationSummary> iterations;
+  std::vector<EdgeEvaluation> edges;  ///< how each type was evaluated; empty where none was
   TimeSplit time;
 
   [[nodiscard]] bool ok() const { return termination != Termination::kFailed; }

@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace glissade {
+
+/// How the edges of one type are evaluated that have a vertex that is not fixed, by their number.
+struct EdgeEvaluation {
+  std::string_view type;  ///< its name
+  int fused = 0;          ///< residual, Jacobians and sums in one kernel (ReprojectionPlan)
+  int in_packs = 0;       ///< as many at once as a register has room for (base/pack.h)
+  int one_by_one = 0;
+  /// Packs whose lanes disagreed about a condition, so that their edges were evaluated once more,
+  /// one by one; over all iterations. Select() instead of `if` spares that.
+  std::int64_t packs_redone = 0;
+};
+
+}  // namespace glissade
