@@ -23,8 +23,8 @@ using VectorMap = Eigen::Map<Eigen::VectorXd>;
 
 /// Record of the edge's free landmark, null if it has none (no pointer may be made from kNone).
 double* LandmarkRecord(const std::int32_t* words, const NormalEquationsSink& sink) {
-  const std::int32_t offset = words[plan::kLandmarkRecord];
-  return offset == plan::kNone ? nullptr : sink.landmarks + offset;
+  const std::int32_t landmark = words[plan::kLandmarkIndex];
+  return landmark == plan::kNone ? nullptr : sink.landmarks + sink.records[landmark];
 }
 
 }  // namespace
@@ -51,7 +51,7 @@ void DynamicEdgePool::Add(const Entry& item, const std::int32_t* words, const do
       bool transposed = false;
       if (is_landmark) {
         const std::int32_t w = words[plan::WBlock(arity, j)];
-        out = j == i ? record : (w == plan::kNone ? nullptr : sink->landmarks + w);
+        out = j == i ? record : (w == plan::kNone ? nullptr : record + w);
         transposed = j != i;
       } else if (j <= i) {
         const std::int32_t offset = words[plan::HBlock(arity, plan::Pair(i, j))];
@@ -198,7 +198,7 @@ bool DynamicEdgePool::LinearizeGeneral(const Entry& item, const Loss& loss,
       if (is_landmark) {
         const std::int32_t w = words[plan::WBlock(arity, j)];
         if (j == i || w == plan::kNone) continue;
-        MatrixMap(sink->landmarks + w, d_j, d_i).noalias() += J_j.transpose().lazyProduct(J_i);
+        MatrixMap(record + w, d_j, d_i).noalias() += J_j.transpose().lazyProduct(J_i);
       } else if (j <= i) {
         const std::int32_t offset = words[plan::HBlock(arity, plan::Pair(i, j))];
         if (offset >= 0) {

@@ -32,6 +32,13 @@ class LandmarkRuns {
   [[nodiscard]] std::int64_t Redone(int chunk, int pool) const {
     return redone_[static_cast<std::size_t>(chunk) * num_pools_ + static_cast<std::size_t>(pool)];
   }
+  /// Of all runs of a pool, with padding.
+  [[nodiscard]] std::int64_t Lanes(int pool) const {
+    std::int64_t lanes = 0;
+    for (const Run& run : runs_)
+      lanes += run.pool == pool ? run.lanes : 0;
+    return lanes;
+  }
   void ForgetRedone() { redone_.assign(redone_.size(), 0); }
   /// Adds the chunk's part of H, b and cost. False where an edge has no finite value: *pool and
   /// sink->failed_edge tell which.
@@ -80,8 +87,9 @@ class LandmarkRuns {
     std::int64_t count = 0;  ///< numbers, from r on
   };
 
-  void PlanPool(const EdgePoolBase& pool, int id, int arity);
-  void AddRun(const EdgePoolBase& pool, int id, int arity, const Item* items, int count);
+  void PlanPool(const EdgePoolBase& pool, int id, int arity, const std::int64_t* records);
+  void AddRun(const EdgePoolBase& pool, int id, int arity, const std::int64_t* records,
+              const Item* items, int count);
   void PlanWeights(const Graph& graph);
   Values Place(const Run& run, bool jacobians, Scratch* scratch) const;
   /// Raw values; returns the number of the first edge without one, or -1.

@@ -84,13 +84,13 @@ void LandmarkRuns::Plan(const Structure& structure, const Graph& graph) {
       // Those on a landmark come first.
       items_.clear();
       const std::int32_t* words = structure.Words(edges);
-      for (int k = 0; k < edges.count && words[plan::kLandmarkRecord] != plan::kNone; ++k) {
+      for (int k = 0; k < edges.count && words[plan::kLandmarkIndex] != plan::kNone; ++k) {
         items_.push_back({KeyOf(words, arity), words});
         words += plan::NumWords(arity);
       }
       taken_[Index(chunk) * num_pools_ + Index(edges.pool)] =
           static_cast<std::int32_t>(items_.size());
-      PlanPool(pool, edges.pool, arity);
+      PlanPool(pool, edges.pool, arity, structure.landmark_records().data());
     }
     chunk_begin_.push_back(static_cast<std::int32_t>(runs_.size()));
   }
@@ -106,7 +106,8 @@ void LandmarkRuns::Plan(const Structure& structure, const Graph& graph) {
   PlanWeights(graph);
 }
 
-void LandmarkRuns::PlanPool(const EdgePoolBase& pool, int id, int arity) {
+void LandmarkRuns::PlanPool(const EdgePoolBase& pool, int id, int arity,
+                            const std::int64_t* records) {
   std::sort(items_.begin(), items_.end());
   const auto edge = [](const Item& item) { return item.words[plan::kEdge]; };
   auto begin = items_.begin();
@@ -133,15 +134,15 @@ void LandmarkRuns::PlanPool(const EdgePoolBase& pool, int id, int arity) {
         next = to;
       }
       for (; begin < next; begin += std::min<std::ptrdiff_t>(kMaxRun, next - begin)) {
-        AddRun(pool, id, arity, &*begin,
+        AddRun(pool, id, arity, records, &*begin,
                static_cast<int>(std::min<std::ptrdiff_t>(kMaxRun, next - begin)));
       }
     }
   }
 }
 
-void LandmarkRuns::AddRun(const EdgePoolBase& pool, int id, int arity, const Item* items,
-                          int count) {
+void LandmarkRuns::AddRun(const EdgePoolBase& pool, int id, int arity, const std::int64_t* records,
+                          const Item* items, int count) {
   const std::int32_t* first = items[0].words;
   Run run;
   run.pool = id;
@@ -167,11 +168,13 @@ void LandmarkRuns::AddRun(const EdgePoolBase& pool, int id, int arity, const Ite
     const std::int32_t* words = items[std::min(s, count - 1)].words;
     edge_.push_back(words[plan::kEdge]);
     landmark_.push_back(words[plan::State(run.landmark)]);
-    record_.push_back(words[plan::kLandmarkRecord]);
+    record_.push_back(records[words[plan::kLandmarkIndex]]);
   }
   for (int i = 0; i < arity; ++i) {
-    for (int s = 0; s < run.lanes; ++s)
-      w_.push_back(items[std::min(s, count - 1)].words[plan::WBlock(arity, i)]);
+    for (int s = 0; s < run.lanes; ++s) {
+      const std::int32_t block = items[std::min(s, count - 1)].words[plan::WBlock(arity, i)];
+      w_.push_back(block != plan::kNone ? record_[Index(run.lane_begin + s)] + block : plan::kNone);
+    }
   }
   max_values_ = std::max(max_values_, Index(run.rows) * Index(columns) * Index(run.lanes));
   max_work_ = std::max({max_work_, Index(run.rows) * Index(columns),

@@ -82,6 +82,7 @@ void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& gr
   sink.h_pp = h_pp_[Index(chunk)].data();
   sink.b_p = b_p_[Index(chunk)].data();
   sink.landmarks = landmarks_.data();
+  sink.records = structure.landmark_records().data();
   sink.first_estimates = graph.first_estimates();
   for (const EdgeRun& run : structure.EdgesOfChunk(chunk)) {
     if (run.count == 0) continue;
@@ -211,6 +212,7 @@ void NormalEquations::ListEvaluations(const Structure& structure, const Graph& g
     const int id = static_cast<int>(p);
     EdgeEvaluation entry;
     entry.type = pool.type()->name;
+    entry.lanes = runs_->Lanes(id);
     for (int chunk = 0; chunk < structure.num_chunks(); ++chunk) {
       const int taken = runs_->Taken(chunk, id);
       (pool.evaluates_in_packs() ? entry.in_packs : entry.one_by_one) += taken;

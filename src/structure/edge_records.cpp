@@ -18,7 +18,8 @@ std::size_t Index(int i) {
 
 void Structure::LayOutLandmark(int landmark) {
   LandmarkBlock& block = landmarks_[Index(landmark)];
-  block.record = static_cast<std::int32_t>(landmark_buffer_size_);
+  block.record = landmark_buffer_size_;
+  landmark_records_.push_back(block.record);
   block.slot_begin = static_cast<std::int32_t>(slot_block_.size());
   for (int k = landmark_edges_begin_[Index(landmark)];
        k < landmark_edges_begin_[Index(landmark) + 1]; ++k) {
@@ -41,7 +42,7 @@ void Structure::LayOutLandmark(int landmark) {
     const PoseBlock& pose = poses_[Index(slot_block_[Index(s)])];
     slot_row_.push_back(pose.offset);
     slot_dim_.push_back(pose.dim);
-    slot_of_block_[Index(slot_block_[Index(s)])] = static_cast<std::int32_t>(offset);
+    slot_of_block_[Index(slot_block_[Index(s)])] = static_cast<std::int32_t>(offset - block.record);
     offset += pose.dim * block.dim;
   }
   max_w_size_ = std::max(max_w_size_, static_cast<int>(offset - w_begin));
@@ -53,7 +54,7 @@ void Structure::WriteEdge(const EdgeRef& ref, int landmark) {
   const int arity = edges.Arity(ref.edge);
   const std::int32_t* variable = edges.variable.data() + edges.Begin(ref.edge);
   std::int32_t* w = WriteWords(ref);
-  if (landmark >= 0) w[plan::kLandmarkRecord] = landmarks_[Index(landmark)].record;
+  if (landmark >= 0) w[plan::kLandmarkIndex] = landmark;
   for (int i = 0; i < arity; ++i) {
     const std::int32_t v = variable[i];
     if (v < 0) continue;

@@ -69,6 +69,7 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   slot_block_.clear();
   slot_row_.clear();
   slot_dim_.clear();
+  landmark_records_.clear();
   landmark_buffer_size_ = 0;
   max_w_size_ = 0;
   slot_of_block_.assign(poses_.size(), 0);
@@ -281,8 +282,9 @@ void Structure::CutIntoChunks() {
 
 Status Structure::CheckSize() const {
   constexpr std::int64_t kLimit = std::numeric_limits<std::int32_t>::max();
-  if (landmark_buffer_size_ > kLimit || h_size_ > kLimit) {
-    return {StatusCode::kInvalidArgument, "problem too large: more than 2^31 numbers in H"};
+  if (h_size_ > kLimit) {
+    return {StatusCode::kInvalidArgument,
+            "problem too large: more than 2^31 numbers in the poses' part of H"};
   }
   return {};
 }

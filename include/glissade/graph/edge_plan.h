@@ -12,15 +12,16 @@ namespace glissade {
 /// by the structure analysis, read by the edge pools. For an edge of arity N:
 ///
 ///     word 0            dense index of the edge in its pool
-///     word 1            offset of its free landmark's record in the landmark buffer, or kNone
+///     word 1            index of its free landmark, or kNone
 ///     word 2 + i        dense index of vertex i in its pool
 ///     word 2 + N + i    offset of vertex i's part of b_p; kNone: fixed; kLandmark: the landmark
-///     word 2 + 2N + i   offset of vertex i's W block in the landmark buffer, or kNone
+///     word 2 + 2N + i   offset of vertex i's W block in the landmark's record, or kNone
 ///     word 2 + 3N + p   offset of pair p = i (i + 1) / 2 + j (j <= i) in the H_pp buffer; kNone;
 ///                       Transposed(offset) where the stored block is (j, i) and not (i, j)
 ///
 /// A landmark's record is [H_ll (dl x dl) | b_l (dl) | W block of slot 0 (d0 x dl) | slot 1 | ...];
-/// all blocks are row-major and in the full tangent.
+/// all blocks are row-major and in the full tangent. Records may take more numbers than a word
+/// counts: where each begins in the landmark buffer is in NormalEquationsSink::records.
 namespace plan {
 inline constexpr std::int32_t kNone = -1;
 inline constexpr std::int32_t kLandmark = -2;
@@ -34,7 +35,7 @@ constexpr int NumPairs(int arity) {
   return arity * (arity + 1) / 2;
 }
 constexpr int kEdge = 0;
-constexpr int kLandmarkRecord = 1;
+constexpr int kLandmarkIndex = 1;
 constexpr int State(int i) {
   return 2 + i;
 }
@@ -58,7 +59,8 @@ struct NormalEquationsSink {
   double* h_pp = nullptr;
   double* b_p = nullptr;
   double* landmarks = nullptr;
-  double cost = 0.0;  ///< 1/2 sum rho(s)
+  const std::int64_t* records = nullptr;  ///< of each landmark: where its record begins
+  double cost = 0.0;                      ///< 1/2 sum rho(s)
   FirstEstimates first_estimates = FirstEstimates::kFull;
   int failed_edge = -1;  ///< dense index of the first edge that has no finite value
 };

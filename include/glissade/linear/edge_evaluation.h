@@ -13,6 +13,9 @@ struct EdgeEvaluation {
   int fused = 0;          ///< residual, Jacobians and sums in one kernel (ReprojectionPlan)
   int in_packs = 0;       ///< as many at once as a register has room for (base/pack.h)
   int one_by_one = 0;
+  /// That edges on landmarks take up, in packs or not: edges on the same vertices but for the
+  /// landmark fill blocks of 8, the last of which is not full.
+  std::int64_t lanes = 0;
   /// Packs whose lanes disagreed about a condition, so that their edges were evaluated once more,
   /// one by one; over all iterations. Select() instead of `if` spares that.
   std::int64_t packs_redone = 0;

@@ -28,7 +28,7 @@ struct LandmarkBlock {
   std::int32_t pool = 0;
   std::int32_t index = 0;
   std::int32_t dim = 0;         ///< 1 to 4
-  std::int32_t record = 0;      ///< offset of [H_ll | b_l | W ...] in the landmark buffer
+  std::int64_t record = 0;      ///< offset of [H_ll | b_l | W ...] in the landmark buffer
   std::int32_t step = 0;        ///< offset of its part of the landmark step
   std::int32_t slot_begin = 0;  ///< its W blocks: slots [slot_begin, slot_end)
   std::int32_t slot_end = 0;
@@ -109,6 +109,10 @@ class Structure {
   /// A new number with every analysis that was not skipped, by any Structure; never 0.
   [[nodiscard]] std::uint64_t analysis() const { return analysis_; }
   [[nodiscard]] std::int64_t landmark_buffer_size() const { return landmark_buffer_size_; }
+  /// Where the record of each landmark begins in that buffer.
+  [[nodiscard]] const std::vector<std::int64_t>& landmark_records() const {
+    return landmark_records_;
+  }
   /// Pose block of each W slot, ascending within a landmark, with its scalar row and dimension.
   [[nodiscard]] const std::vector<std::int32_t>& slot_block() const { return slot_block_; }
   [[nodiscard]] const std::vector<std::int32_t>& slot_row() const { return slot_row_; }
@@ -193,6 +197,7 @@ class Structure {
   ReprojectionPlan plan_;
   bool fuses_ = true;
   std::uint64_t analysis_ = 0;
+  std::vector<std::int64_t> landmark_records_;
   std::int64_t landmark_buffer_size_ = 0;
   std::vector<std::int32_t> slot_block_, slot_row_, slot_dim_;
   int max_w_size_ = 0;
