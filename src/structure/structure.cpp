@@ -13,8 +13,6 @@ namespace glissade {
 
 namespace {
 
-constexpr int kEdgesPerChunk =
-    1500;                      // below this, handing work to a thread costs more than it saves
 constexpr int kMaxChunks = 8;  // each chunk has its own copy of H_pp and S
 
 std::size_t Index(int i) {
@@ -51,6 +49,7 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   }
   checked_duplicates_ = !options.allow_duplicate_observations;
   NumberVariables(*graph);
+  SortLandmarks();
   ListLandmarkEdges(*graph);
   fuses_ = options.fuse_reprojections;
   PlanReprojections(*graph, fuses_);
@@ -263,7 +262,8 @@ void Structure::ListLandmarkEdges(const Graph& graph) {
 }
 
 void Structure::CutIntoChunks() {
-  // An even number, so that two threads end together.
+  // An even number, so that two threads end together. With fewer edges in each, handing work to a
+  // thread costs more than it saves.
   const int chunks = num_edges_ / kEdgesPerChunk;
   num_chunks_ = std::clamp(chunks > 1 ? chunks + chunks % 2 : 1, 1, kMaxChunks);
   // Cut where the edges are shared out evenly.

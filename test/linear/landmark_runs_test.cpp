@@ -334,6 +334,8 @@ TEST(LandmarkRuns, SummarySaysHowEdgesWereEvaluated) {
   EXPECT_GT(bent.packs_redone, 0);
   EXPECT_EQ(offset.in_packs, 2 * bent.in_packs);
   EXPECT_EQ(offset.packs_redone, 0);
+  EXPECT_EQ(bent.lanes % 8, 0);
+  EXPECT_GE(bent.lanes, bent.in_packs);
   EXPECT_EQ(alone.in_packs, 0);
   EXPECT_EQ(alone.one_by_one, bent.in_packs);
   // Of one solve, not of all.
@@ -341,6 +343,43 @@ TEST(LandmarkRuns, SummarySaysHowEdgesWereEvaluated) {
   Problem again = MakeProblem<true>(7, 5, 40);
   ASSERT_TRUE(again.Solve().ok());
   EXPECT_LE(find(again.Solve(), kTypeInfo<BentInPacks>.name).packs_redone, redone);
+}
+
+/// Landmarks come in any order; each is seen by the poses that follow its own. Their edges are
+/// shared out to several chunks.
+TEST(LandmarkRuns, LanesAreFullWhateverTheOrderOfLandmarks) {
+  constexpr int kPoses = 40, kLandmarks = 1600, kViews = 5;
+  std::mt19937 engine(5);
+  std::vector<int> first;
+  for (int l = 0; l < kLandmarks; ++l)
+    first.push_back(l % (kPoses - kViews));
+  std::shuffle(first.begin(), first.end(), engine);
+  for (const bool shuffled : {false, true}) {
+    if (!shuffled) std::sort(first.begin(), first.end());
+    if (shuffled) std::shuffle(first.begin(), first.end(), engine);
+    Problem problem;
+    std::vector<VertexHandle<VertexPose>> poses;
+    for (int k = 0; k < kPoses; ++k)
+      poses.push_back(problem.AddVertex(
+          VertexPose{Pose(so3::ExpQuaternion(Vector3::Zero()), Vector3(0.3 * k, 0.0, 0.0))}));
+    ASSERT_TRUE(problem.SetFixed(poses[0]).ok());
+    for (const int host : first) {
+      const Vector3 x(0.3 * host + Normal(engine, 1.0), Normal(engine, 1.0), 5.0);
+      const VertexHandle<VertexPointXYZ> point = problem.AddVertex(VertexPointXYZ(x));
+      for (int k = host; k < host + kViews; ++k) {
+        const Vector3 offset(x - Vector3(0.3 * k, 0.0, 0.0));
+        ASSERT_TRUE(
+            problem.AddEdge(OffsetInPacks{offset, 1.0}, {poses[static_cast<std::size_t>(k)], point})
+                .ok());
+      }
+    }
+    const SolveSummary summary = problem.Solve({.max_iterations = 1});
+    ASSERT_TRUE(summary.ok()) << summary.status.message();
+    ASSERT_EQ(summary.edges.size(), 1u);
+    EXPECT_EQ(summary.edges[0].in_packs, kLandmarks * kViews);
+    EXPECT_GT(summary.edges[0].in_packs, 0.85 * static_cast<double>(summary.edges[0].lanes))
+        << (shuffled ? "shuffled" : "in order");
+  }
 }
 
 /// Squares that are numbers, and a sum of them that is none: it was looked for beyond their end.

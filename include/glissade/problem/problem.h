@@ -113,7 +113,8 @@ class Problem : public Graph {
     if (dx.size() > 0) FillStep(dx.data());
     return dx;
   }
-  /// Order of Hessian(): kept vertices first, then eliminated ones, insertion order within types.
+  /// Order of Hessian(): kept vertices first, then eliminated ones, insertion order within types;
+  /// of problems with many edges the eliminated ones are sorted by the vertices they are seen from.
   [[nodiscard]] std::vector<AnyVertex> FreeVertices() const;
   /// First row of each of FreeVertices() in Hessian(), and the number of rows at the end.
   [[nodiscard]] std::vector<int> FreeOffsets() const;

@@ -120,6 +120,8 @@ class Structure {
   [[nodiscard]] int max_w_size() const { return max_w_size_; }
 
   [[nodiscard]] int num_chunks() const { return num_chunks_; }
+  /// Fewer edges than that are one chunk.
+  static constexpr int kEdgesPerChunk = 1500;
   /// Landmarks of chunk c: [landmark_chunks()[c], landmark_chunks()[c + 1]).
   [[nodiscard]] const std::vector<std::int32_t>& landmark_chunks() const {
     return landmark_chunks_;
@@ -146,6 +148,7 @@ class Structure {
 
   void FlattenEdges(const Graph& graph);
   void NumberVariables(const Graph& graph);
+  void SortLandmarks();
   Status FindDuplicates(const Graph& graph);
   void ListLandmarkEdges(const Graph& graph);
   void NumberLandmarkSteps(const Graph& graph);
@@ -232,6 +235,12 @@ class Structure {
   std::vector<EdgeRef> landmark_edges_;  // edges by landmark, then edges without one
   std::vector<std::int32_t> landmark_edges_begin_;
   std::vector<std::int32_t> fill_;
+  struct SeenLandmark {
+    std::int32_t pool, first, last, landmark;  // pose blocks that see it
+  };
+  std::vector<SeenLandmark> order_;
+  std::vector<LandmarkBlock> unsorted_;
+  std::vector<std::int32_t> new_number_, edges_of_pose_;
   std::vector<std::int32_t> slot_of_block_, stamp_of_block_;
   std::vector<std::int32_t> pair_table_;  // open addressing: index in h_blocks_, or -1
   std::vector<EdgeRef> duplicate_table_;
