@@ -10,6 +10,7 @@
 #include "glissade/edges/lanes.h"
 #include "glissade/vertices/point_xyz.h"
 #include "glissade/vertices/pose.h"
+#include "glissade/vertices/pose_view.h"
 
 namespace glissade {
 

@@ -8,17 +8,11 @@
 #include "glissade/base/pack.h"
 #include "glissade/cameras/concept.h"
 #include "glissade/edges/lanes.h"
-#include "glissade/vertices/view.h"
+#include "glissade/vertices/pose_view.h"
 
 /// \file
 /// The geometry shared by the observation edges of inverse-depth landmarks.
 namespace glissade::internal {
-
-/// A fixed transform as edges use it.
-template <class T>
-View<VertexPose, T> ViewOf(const Pose& T_a_b) {
-  return Broadcast<T>(View<VertexPose, double>::Of(T_a_b.data));
-}
 
 /// An inverse-depth landmark of host frame i, seen from the camera of target frame j. Everything is
 /// multiplied through by rho, so that it exists for points at infinity (rho = 0) too; a projection
