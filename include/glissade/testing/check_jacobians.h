@@ -76,7 +76,7 @@ void MoveLanes(E* edge, double t) {
     std::memcpy(numbers, &(edge->*member), sizeof(numbers));
     for (double& x : numbers)
       x += t * (1.0 + (x < 0.0 ? -x : x));
-    std::memcpy(&(edge->*member), numbers, sizeof(numbers));
+    std::memcpy(static_cast<void*>(&(edge->*member)), numbers, sizeof(numbers));
   };
   std::apply([&](auto... member) { (move(member), ...); }, E::kLanes);
 }
