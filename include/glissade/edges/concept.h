@@ -39,6 +39,9 @@
 ///                     const T& measured, Vec<T, 1>& r, Mat<T, 1, 6>* d_r_d_pose,
 ///                     Mat<T, 1, 3>* d_r_d_point) const;
 ///
+/// Without the Jacobian arguments it computes the residual alone; the library then has the
+/// Jacobians from dual numbers (base/dual.h), which takes several times as long.
+///
 /// Members that are not in kLanes must be equal in all edges of a run: SameSensor (or SameInRun,
 /// where the two differ) tells. A condition on T is that of the first lane; if another lane has it
 /// otherwise, the edges are evaluated once more one by one.
@@ -151,19 +154,12 @@ constexpr bool FitsFirstEstimateRule() {
   }
 }
 
-template <class E, class List, class Lanes>
-inline constexpr bool kCanEvaluateLanes = false;
-template <class E, class... V, class... M>
-inline constexpr bool kCanEvaluateLanes<E, VertexList<V...>, std::tuple<M E::*...>> =
-    requires(const E& edge, const View<V, double>&... view,
-             const typename LaneOf<double, M>::Type&... lane, Vec<double, E::kResidualDim>& r,
-             Mat<double, E::kResidualDim, V::kTangentDim>*... jacobian) {
-      { edge.Evaluate(view..., lane..., r, jacobian...) } -> std::same_as<bool>;
-    };
 template <class E>
 inline constexpr bool kIsTemplateEdge = [] {
   if constexpr (requires { E::kLanes; }) {
-    return kCanEvaluateLanes<E, typename E::Vertices, std::remove_cvref_t<decltype(E::kLanes)>>;
+    using Lanes = std::remove_cvref_t<decltype(E::kLanes)>;
+    return kCanEvaluateLanes<E, typename E::Vertices, Lanes> ||
+           kCanEvaluateResidual<E, typename E::Vertices, Lanes>;
   } else {
     return false;
   }
@@ -172,6 +168,7 @@ inline constexpr bool kIsTemplateEdge = [] {
 
 /// `bool Evaluate(const V&..., Vector<R>& r, Jacobian<R, V::kTangentDim>*...) const`, or with kLanes
 /// `bool Evaluate(const View<V, T>&..., lanes..., Vec<T, R>& r, Mat<T, R, V::kTangentDim>*...) const`
+/// or the same without Jacobians
 template <class E>
 concept EdgeHasEvaluate =
     internal::kCanEvaluate<E, typename E::Vertices> || internal::kIsTemplateEdge<E>;

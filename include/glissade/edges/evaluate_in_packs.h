@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
+#include <iterator>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -28,6 +30,9 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M E::*...>> {
   using Views = std::tuple<View<V, T>...>;
   using Lanes = std::tuple<typename LaneOf<T, M>::Type...>;
   using Vertices = std::index_sequence_for<V...>;
+  static constexpr bool kDuals = kIsResidualOnly<E>;
+  struct None {};
+  using Tangents = std::conditional_t<kDuals, std::tuple<ViewTangent<V, T>...>, None>;
 
   struct Results {
     Vec<T, kRows> r;
@@ -40,18 +45,28 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M E::*...>> {
     return reinterpret_cast<T*>(object) + n;
   }
 
+  /// tangents: null where no Jacobians are wanted.
   template <std::size_t... I>
-  static void LoadFrames(const LaneRun& run, Views* views, std::index_sequence<I...>) {
+  static void LoadFrames(const LaneRun& run, Views* views, Tangents* tangents,
+                         std::index_sequence<I...>) {
     const auto load = [&](auto i, auto* view) {
       using Vertex = EdgeVertex<E, static_cast<int>(i())>;
-      if (static_cast<int>(i()) != run.landmark)
-        *view = Broadcast<T>(ViewOfState<Vertex>(run.states[i()]));
+      if (static_cast<int>(i()) == run.landmark) return;
+      *view = Broadcast<T>(ViewOfState<Vertex>(run.states[i()]));
+      if constexpr (kDuals) {
+        if (tangents == nullptr) return;
+        ViewTangent<Vertex, double> tangent;
+        FindViewTangent<Vertex>(run.states[i()], &tangent);
+        auto& out = std::get<i()>(*tangents);
+        for (std::size_t n = 0; n < std::size(out.d); ++n)
+          out.d[n] = T(tangent.d[n]);
+      }
     };
     (load(std::integral_constant<std::size_t, I>{}, &std::get<I>(*views)), ...);
   }
 
   template <std::size_t... I>
-  static void LoadLandmarks(const LaneRun& run, const int* lane, Views* views,
+  static void LoadLandmarks(const LaneRun& run, const int* lane, Views* views, Tangents* tangents,
                             std::index_sequence<I...>) {
     const auto load = [&](auto i, auto* view) {
       using Vertex = EdgeVertex<E, static_cast<int>(i())>;
@@ -69,6 +84,15 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M E::*...>> {
           }
           for (int n = 0; n < kCount; ++n)
             *Number(view, n) = T::Of([&](int k) { return numbers[k][n]; });
+        }
+        if constexpr (kDuals) {
+          if (tangents == nullptr) return;
+          ViewTangent<Vertex, double> of_lane[kW];
+          for (int k = 0; k < kW; ++k)
+            FindViewTangent<Vertex>(run.landmark_states[lane[k]], &of_lane[k]);
+          auto& out = std::get<i()>(*tangents);
+          for (std::size_t n = 0; n < std::size(out.d); ++n)
+            out.d[n] = T::Of([&](int k) { return of_lane[k].d[n]; });
         }
       }
     };
@@ -90,19 +114,26 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M E::*...>> {
   }
 
   template <std::size_t... I, std::size_t... K>
-  static bool Call(const E& edge, const Views& views, const Lanes& lanes, double* const* J,
-                   Results* out, std::index_sequence<I...>, std::index_sequence<K...>) {
-    return edge.Evaluate(std::get<I>(views)..., std::get<K>(lanes)..., out->r,
-                         (J != nullptr && J[I] != nullptr ? &std::get<I>(out->J) : nullptr)...);
+  static bool Call(const E& edge, const Views& views, [[maybe_unused]] const Tangents& tangents,
+                   const Lanes& lanes, double* const* J, Results* out, std::index_sequence<I...>,
+                   std::index_sequence<K...>) {
+    if constexpr (kDuals) {
+      return DualEvaluator<E, T, typename E::Vertices, typename LaneOf<T, M>::Type...>::Evaluate(
+          edge, views, tangents, lanes, out->r,
+          (J != nullptr && J[I] != nullptr ? &std::get<I>(out->J) : nullptr)...);
+    } else {
+      return edge.Evaluate(std::get<I>(views)..., std::get<K>(lanes)..., out->r,
+                           (J != nullptr && J[I] != nullptr ? &std::get<I>(out->J) : nullptr)...);
+    }
   }
 
   /// Edges of these kW lanes.
   static bool EvaluatePack(const E* edges, const LaneRun& run, const int* lane, Views* views,
-                           double* const* J, Results* out) {
-    LoadLandmarks(run, lane, views, Vertices{});
+                           Tangents* tangents, double* const* J, Results* out) {
+    LoadLandmarks(run, lane, views, J != nullptr ? tangents : nullptr, Vertices{});
     Lanes lanes;
     LoadLanes(edges, run, lane, &lanes, std::index_sequence_for<M...>{});
-    return Call(edges[run.edges[lane[0]]], *views, lanes, J, out, Vertices{},
+    return Call(edges[run.edges[lane[0]]], *views, *tangents, lanes, J, out, Vertices{},
                 std::index_sequence_for<M...>{});
   }
 
@@ -130,14 +161,15 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M E::*...>> {
   static int Evaluate(const void* all, const LaneRun& run, const LaneValues& values) {
     const E* edges = static_cast<const E*>(all);
     Views views;
-    LoadFrames(run, &views, Vertices{});
+    Tangents tangents;
+    LoadFrames(run, &views, values.J != nullptr ? &tangents : nullptr, Vertices{});
     Results results;
     for (int s = 0; s < run.count; s += kW) {
       int lane[kW];
       for (int k = 0; k < kW; ++k)
         lane[k] = s + k < run.count ? s + k : run.count - 1;
       pack_diverged<Unit> = false;
-      const bool ok = EvaluatePack(edges, run, lane, &views, values.J, &results);
+      const bool ok = EvaluatePack(edges, run, lane, &views, &tangents, values.J, &results);
       if (!pack_diverged<Unit>) {
         if (!ok) return s;
         Store(results, run, values, s, false, Vertices{});
@@ -149,7 +181,7 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M E::*...>> {
         int same[kW];
         for (int i = 0; i < kW; ++i)
           same[i] = s + k;
-        if (!EvaluatePack(edges, run, same, &views, values.J, &results)) return s + k;
+        if (!EvaluatePack(edges, run, same, &views, &tangents, values.J, &results)) return s + k;
         Store(results, run, values, s + k, true, Vertices{});
       }
     }

@@ -10,6 +10,7 @@
 
 #include "glissade/base/matrix.h"
 #include "glissade/base/small_matrix.h"
+#include "glissade/edges/residual_only.h"
 #include "glissade/vertices/view.h"
 
 /// \file
@@ -55,6 +56,31 @@ struct LaneOf<T, double> {
   using Type = T;
 };
 
+/// What Evaluate of a template edge takes and gives back: all, or all but the Jacobians.
+template <class E, class List, class Lanes>
+inline constexpr bool kCanEvaluateLanes = false;
+template <class E, class... V, class... M>
+inline constexpr bool kCanEvaluateLanes<E, VertexList<V...>, std::tuple<M E::*...>> = requires(
+    const E& edge, const View<V, double>&... view, const typename LaneOf<double, M>::Type&... lane,
+    Vec<double, E::kResidualDim>& r, Mat<double, E::kResidualDim, V::kTangentDim>*... jacobian) {
+  { edge.Evaluate(view..., lane..., r, jacobian...) } -> std::same_as<bool>;
+};
+template <class E, class List, class Lanes>
+inline constexpr bool kCanEvaluateResidual = false;
+template <class E, class... V, class... M>
+inline constexpr bool kCanEvaluateResidual<E, VertexList<V...>, std::tuple<M E::*...>> =
+    requires(const E& edge, const View<V, double>&... view,
+             const typename LaneOf<double, M>::Type&... lane, Vec<double, E::kResidualDim>& r) {
+  { edge.Evaluate(view..., lane..., r) } -> std::same_as<bool>;
+};
+/// Whether the Jacobians of a template edge are the library's to find.
+template <class E>
+inline constexpr bool kIsResidualOnly = [] {
+  using Lanes = std::remove_cvref_t<decltype(E::kLanes)>;
+  return !kCanEvaluateLanes<E, typename E::Vertices, Lanes> &&
+         kCanEvaluateResidual<E, typename E::Vertices, Lanes>;
+}();
+
 /// Whether kLanes names all there is in an edge.
 template <class E>
 inline constexpr bool kAllInLanes = std::apply(
@@ -90,9 +116,23 @@ bool EvaluateInDouble(const E& edge, const std::tuple<const V&...>& vertices,
   std::tuple<Mat<double, kRows, J::ColsAtCompileTime>...> blocks;
   const auto call = [&]<std::size_t... I, std::size_t... K>(std::index_sequence<I...>,
                                                             std::index_sequence<K...>) {
-    if (!edge.Evaluate(ViewOfState<V>(std::get<I>(vertices).Data())...,
-                       LaneValue(edge, std::get<K>(E::kLanes))..., out,
-                       (jacobians != nullptr ? &std::get<I>(blocks) : nullptr)...)) {
+    if constexpr (kIsResidualOnly<E>) {
+      using Evaluator =
+          DualEvaluator<E, double, VertexList<V...>,
+                        std::remove_cvref_t<decltype(LaneValue(edge, std::get<K>(E::kLanes)))>...>;
+      const std::tuple<View<V, double>...> views(ViewOfState<V>(std::get<I>(vertices).Data())...);
+      std::tuple<ViewTangent<V, double>...> tangents;
+      if (((jacobians != nullptr) || ...)) {
+        (FindViewTangent<V>(std::get<I>(vertices).Data(), &std::get<I>(tangents)), ...);
+      }
+      if (!Evaluator::Evaluate(edge, views, tangents,
+                               std::make_tuple(LaneValue(edge, std::get<K>(E::kLanes))...), out,
+                               (jacobians != nullptr ? &std::get<I>(blocks) : nullptr)...)) {
+        return false;
+      }
+    } else if (!edge.Evaluate(ViewOfState<V>(std::get<I>(vertices).Data())...,
+                              LaneValue(edge, std::get<K>(E::kLanes))..., out,
+                              (jacobians != nullptr ? &std::get<I>(blocks) : nullptr)...)) {
       return false;
     }
     const auto copy = [](const auto& from, auto* to) {
