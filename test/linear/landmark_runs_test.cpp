@@ -382,6 +382,34 @@ TEST(LandmarkRuns, LanesAreFullWhateverTheOrderOfLandmarks) {
   }
 }
 
+/// Derives from a template edge, and has an Evaluate of its own; or has not.
+struct HalfRange : RangeInPacks {
+  bool Evaluate(const VertexPose& pose, const VertexPointXYZ& point, Vector<1>& r,
+                Jacobian<1, 6>* d_pose, Jacobian<1, 3>* d_point) const {
+    const bool ok = internal::EvaluateInDouble(static_cast<const RangeInPacks&>(*this),
+                                               std::tie(pose, point), r, d_pose, d_point);
+    r *= 0.5;
+    if (d_pose) *d_pose *= 0.5;
+    if (d_point) *d_point *= 0.5;
+    return ok;
+  }
+};
+struct OtherRange : RangeInPacks {};
+
+TEST(LandmarkRuns, AnEdgeThatDerivesFromATemplateEdgeHasItsOwnEvaluate) {
+  static_assert(!kEvaluatesInPacks<HalfRange> && kEvaluatesInPacks<OtherRange>);
+  Problem problem;
+  const VertexHandle<VertexPose> pose = problem.AddVertex(VertexPose{});
+  for (int k = 0; k < 9; ++k) {
+    const VertexHandle<VertexPointXYZ> point = problem.AddVertex(VertexPointXYZ(1.0 + k, 0.0, 0.0));
+    ASSERT_TRUE(problem.AddEdge(HalfRange{{k + 3.0}}, {pose, point}).ok());
+    ASSERT_TRUE(problem.AddEdge(OtherRange{{k + 2.0}}, {pose, point}).ok());
+  }
+  ASSERT_TRUE(problem.MakeHessian().ok());
+  EXPECT_NEAR(problem.Rhs()[0], 9 * -0.5 + 9 * -1.0, 1e-13);
+  EXPECT_NEAR(problem.Solve({.max_iterations = 0}).initial_cost, 18 * 0.5, 1e-13);
+}
+
 /// Squares that are numbers, and a sum of them that is none: it was looked for beyond their end.
 TEST(LandmarkRuns, ACostThatOverflowsNamesNoEdge) {
   Problem problem;

@@ -153,17 +153,6 @@ constexpr bool FitsFirstEstimateRule() {
            std::is_same_v<EdgeVertex<E, 1>, Second>;
   }
 }
-
-template <class E>
-inline constexpr bool kIsTemplateEdge = [] {
-  if constexpr (requires { E::kLanes; }) {
-    using Lanes = std::remove_cvref_t<decltype(E::kLanes)>;
-    return kCanEvaluateLanes<E, typename E::Vertices, Lanes> ||
-           kCanEvaluateResidual<E, typename E::Vertices, Lanes>;
-  } else {
-    return false;
-  }
-}();
 }  // namespace internal
 
 /// `bool Evaluate(const V&..., Vector<R>& r, Jacobian<R, V::kTangentDim>*...) const`, or with kLanes

@@ -128,8 +128,8 @@ constexpr void ExplainEvaluate() {
 template <class E, class List, class Lanes>
 struct ExpectedInPacks;
 template <class E, class... V, class... M>
-struct ExpectedInPacks<E, VertexList<V...>, std::tuple<M E::*...>> {
-  using Type = bool(const View<V, double>&..., const typename LaneOf<double, M>::Type&...,
+struct ExpectedInPacks<E, VertexList<V...>, std::tuple<M...>> {
+  using Type = bool(const View<V, double>&..., const typename LaneAt<double, M>::Type&...,
                     Vec<double, E::kResidualDim>&,
                     Mat<double, E::kResidualDim, V::kTangentDim>*...) const;
 };

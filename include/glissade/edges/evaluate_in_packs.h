@@ -23,12 +23,12 @@ template <class E, class Unit, class List = typename E::Vertices,
 struct PackEvaluator;
 
 template <class E, class Unit, class... V, class... M>
-struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M E::*...>> {
+struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M...>> {
   using T = Pack<Unit>;
   static constexpr int kW = T::kWidth;
   static constexpr int kRows = E::kResidualDim;
   using Views = std::tuple<View<V, T>...>;
-  using Lanes = std::tuple<typename LaneOf<T, M>::Type...>;
+  using Lanes = std::tuple<typename LaneAt<T, M>::Type...>;
   using Vertices = std::index_sequence_for<V...>;
   static constexpr bool kDuals = kIsResidualOnly<E>;
   struct None {};
@@ -118,7 +118,7 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M E::*...>> {
                    const Lanes& lanes, double* const* J, Results* out, std::index_sequence<I...>,
                    std::index_sequence<K...>) {
     if constexpr (kDuals) {
-      return DualEvaluator<E, T, typename E::Vertices, typename LaneOf<T, M>::Type...>::Evaluate(
+      return DualEvaluator<E, T, typename E::Vertices, typename LaneAt<T, M>::Type...>::Evaluate(
           edge, views, tangents, lanes, out->r,
           (J != nullptr && J[I] != nullptr ? &std::get<I>(out->J) : nullptr)...);
     } else {

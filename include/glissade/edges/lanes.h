@@ -24,18 +24,6 @@ constexpr std::tuple<Members E::*...> Fields(Members E::*... members) {
   return {members...};
 }
 
-/// Whether Evaluate of E is a template over its scalar.
-template <class E>
-inline constexpr bool kEvaluatesInPacks = [] {
-  if constexpr (requires { E::kInLanes; }) {
-    return bool(E::kInLanes);
-  } else {
-    return requires {
-      E::kLanes;
-    };
-  }
-}();
-
 namespace internal {
 
 /// Set for the edges that the library evaluates in packs of the machine it runs on
@@ -56,23 +44,44 @@ struct LaneOf<T, double> {
   using Type = T;
 };
 
+/// The same by its place in kLanes: a pointer to a member of the edge, or of what it derives from.
+template <class T, class Pointer>
+struct LaneAt;
+template <class T, class Member, class Class>
+struct LaneAt<T, Member Class::*> : LaneOf<T, Member> {};
+
 /// What Evaluate of a template edge takes and gives back: all, or all but the Jacobians.
 template <class E, class List, class Lanes>
 inline constexpr bool kCanEvaluateLanes = false;
 template <class E, class... V, class... M>
-inline constexpr bool kCanEvaluateLanes<E, VertexList<V...>, std::tuple<M E::*...>> = requires(
-    const E& edge, const View<V, double>&... view, const typename LaneOf<double, M>::Type&... lane,
+inline constexpr bool kCanEvaluateLanes<E, VertexList<V...>, std::tuple<M...>> = requires(
+    const E& edge, const View<V, double>&... view, const typename LaneAt<double, M>::Type&... lane,
     Vec<double, E::kResidualDim>& r, Mat<double, E::kResidualDim, V::kTangentDim>*... jacobian) {
   { edge.Evaluate(view..., lane..., r, jacobian...) } -> std::same_as<bool>;
 };
 template <class E, class List, class Lanes>
 inline constexpr bool kCanEvaluateResidual = false;
 template <class E, class... V, class... M>
-inline constexpr bool kCanEvaluateResidual<E, VertexList<V...>, std::tuple<M E::*...>> =
+inline constexpr bool kCanEvaluateResidual<E, VertexList<V...>, std::tuple<M...>> =
     requires(const E& edge, const View<V, double>&... view,
-             const typename LaneOf<double, M>::Type&... lane, Vec<double, E::kResidualDim>& r) {
+             const typename LaneAt<double, M>::Type&... lane, Vec<double, E::kResidualDim>& r) {
   { edge.Evaluate(view..., lane..., r) } -> std::same_as<bool>;
 };
+/// Whether E's own Evaluate is a template over its scalar: an edge that derives from such a one may
+/// have another, which hides it.
+template <class E>
+inline constexpr bool kIsTemplateEdge = [] {
+  if constexpr (requires {
+                  typename E::Vertices;
+                  E::kLanes;
+                }) {
+    using Lanes = std::remove_cvref_t<decltype(E::kLanes)>;
+    return kCanEvaluateLanes<E, typename E::Vertices, Lanes> ||
+           kCanEvaluateResidual<E, typename E::Vertices, Lanes>;
+  } else {
+    return false;
+  }
+}();
 /// Whether the Jacobians of a template edge are the library's to find.
 template <class E>
 inline constexpr bool kIsResidualOnly = [] {
@@ -89,8 +98,8 @@ inline constexpr bool kAllInLanes = std::apply(
     },
     E::kLanes);
 
-template <class E, class Member>
-typename LaneOf<double, Member>::Type LaneValue(const E& edge, Member E::*member) {
+template <class E, class Member, class Class>
+typename LaneOf<double, Member>::Type LaneValue(const E& edge, Member Class::*member) {
   typename LaneOf<double, Member>::Type out;
   std::memcpy(&out, &(edge.*member), sizeof(out));
   return out;
@@ -150,4 +159,15 @@ bool EvaluateInDouble(const E& edge, const std::tuple<const V&...>& vertices,
 }
 
 }  // namespace internal
+
+/// Whether edges of type E are evaluated several at once.
+template <class E>
+inline constexpr bool kEvaluatesInPacks = [] {
+  if constexpr (requires { E::kInLanes; }) {
+    return bool(E::kInLanes) && internal::kIsTemplateEdge<E>;
+  } else {
+    return internal::kIsTemplateEdge<E>;
+  }
+}();
+
 }  // namespace glissade
