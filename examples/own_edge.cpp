@@ -49,16 +49,77 @@ struct EdgeRange {
   Status Validate() const { return ValidatePositive(measured, "range"); }
 };
 
-int main() {
-  // Are the derivatives right? The same check that the library's own edges have to pass.
-  const EdgeRange example{2.0, Vector3(0.3, -0.1, 0.2)};
+/// The same edge for many landmarks: Evaluate is a template over its scalar, and the library
+/// computes as many edges at once as a register holds. kLanes: what differs from edge to edge;
+/// SameSensor: what does not. See docs/own_edges.md.
+struct EdgeRangeInPacks {
+  using Vertices = VertexList<VertexPose, VertexPointXYZ>;
+  static constexpr int kResidualDim = 1;
+
+  double measured = 0.0;
+  Vector3 antenna = Vector3::Zero();
+  static constexpr auto kLanes = Fields(&EdgeRangeInPacks::measured);
+  bool SameSensor(const EdgeRangeInPacks& other) const { return antenna == other.antenna; }
+
+  template <class T>
+  bool Evaluate(const View<VertexPose, T>& body, const View<VertexPointXYZ, T>& beacon,
+                const T& range, Vec<T, 1>& r, Mat<T, 1, 6>* d_r_d_body,
+                Mat<T, 1, 3>* d_r_d_beacon) const {
+    using std::sqrt;
+    const Vec<T, 3> at = {{T(antenna[0]), T(antenna[1]), T(antenna[2])}};
+    const Vec<T, 3> ray = beacon.p - (body.R * at + body.p);
+    const T distance = sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
+    if (distance < T(1e-9)) return false;
+    r[0] = distance - range;
+    const Vec<T, 3> direction = (T(1.0) / distance) * ray;
+    if (d_r_d_body) {
+      d_r_d_body->Set(0, 0, -direction.Transpose());
+      d_r_d_body->Set(0, 3, Cross(TransposeTimes(body.R, direction), at));
+    }
+    if (d_r_d_beacon) *d_r_d_beacon = direction.Transpose();
+    return true;
+  }
+};
+
+/// And without Jacobians: the library finds them, at the price of some time.
+struct EdgeRangeOfResidual {
+  using Vertices = VertexList<VertexPose, VertexPointXYZ>;
+  static constexpr int kResidualDim = 1;
+
+  double measured = 0.0;
+  Vector3 antenna = Vector3::Zero();
+  static constexpr auto kLanes = Fields(&EdgeRangeOfResidual::measured);
+  bool SameSensor(const EdgeRangeOfResidual& other) const { return antenna == other.antenna; }
+
+  template <class T>
+  bool Evaluate(const View<VertexPose, T>& body, const View<VertexPointXYZ, T>& beacon,
+                const T& range, Vec<T, 1>& r) const {
+    using std::sqrt;
+    const Vec<T, 3> at = {{T(antenna[0]), T(antenna[1]), T(antenna[2])}};
+    const Vec<T, 3> ray = beacon.p - (body.R * at + body.p);
+    const T distance = sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
+    if (distance < T(1e-9)) return false;
+    r[0] = distance - range;
+    return true;
+  }
+};
+
+/// Are the derivatives right? The same check that the library's own edges have to pass.
+template <class E>
+bool CheckEdge(const char* name) {
+  const E example{2.0, Vector3(0.3, -0.1, 0.2)};
   const JacobianCheck check =
       CheckJacobians(example, VertexPose{Pose(so3::Exp(Vector3(0.2, -0.4, 0.9)), Vector3(1, 2, 3))},
                      VertexPointXYZ(Vector3(-2, 0.5, 4)));
-  std::printf("Jacobians: %s (worst relative error %.1e)\n", check.ok ? "ok" : "WRONG",
+  std::printf("Jacobians, %s: %s (worst relative error %.1e)\n", name, check.ok ? "ok" : "WRONG",
               check.worst_error);
-  if (!check.ok) {
-    std::printf("%s\n", check.message.c_str());
+  if (!check.ok) std::printf("%s\n", check.message.c_str());
+  return check.ok;
+}
+
+int main() {
+  if (!CheckEdge<EdgeRange>("one at a time") || !CheckEdge<EdgeRangeInPacks>("in packs") ||
+      !CheckEdge<EdgeRangeOfResidual>("found by the library")) {
     return 1;
   }
 

@@ -383,6 +383,54 @@ TEST(LandmarkRuns, LanesAreFullWhateverTheOrderOfLandmarks) {
   }
 }
 
+/// RangeInPacks without its Jacobians.
+struct RangeOfResidual {
+  using Vertices = VertexList<VertexPose, VertexPointXYZ>;
+  static constexpr int kResidualDim = 1;
+  double measured = 0.0;
+  static constexpr auto kLanes = Fields(&RangeOfResidual::measured);
+
+  template <class T>
+  bool Evaluate(const View<VertexPose, T>& pose, const View<VertexPointXYZ, T>& point,
+                const T& range, Vec<T, 1>& r) const {
+    using std::sqrt;
+    const Vec<T, 3> x = point.p - pose.p;
+    const T distance = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    if (distance == T(0.0)) return false;
+    r[0] = distance - range;
+    return true;
+  }
+};
+
+TEST(LandmarkRuns, EdgesWithoutJacobiansAreThoseWithJacobians) {
+  const auto make = [](auto edge) {
+    std::mt19937 engine(11);
+    Problem problem;
+    std::vector<VertexHandle<VertexPose>> poses;
+    for (int k = 0; k < 4; ++k) {
+      const Vector3 phi(Normal(engine, 0.3), Normal(engine, 0.3), Normal(engine, 0.3));
+      const Vector3 p(0.5 * k, Normal(engine, 0.2), Normal(engine, 0.2));
+      poses.push_back(problem.AddVertex(VertexPose{Pose(so3::ExpQuaternion(phi), p)}));
+    }
+    for (int l = 0; l < 21; ++l) {
+      const VertexHandle<VertexPointXYZ> point = problem.AddVertex(
+          VertexPointXYZ(Normal(engine, 2.0), Normal(engine, 2.0), 5.0 + Normal(engine, 0.5)));
+      for (const VertexHandle<VertexPose>& pose : poses) {
+        edge.measured = 5.0 + Normal(engine, 0.5);
+        EXPECT_TRUE(problem.AddEdge(edge, {pose, point}).ok());
+      }
+    }
+    EXPECT_TRUE(problem.MakeHessian().ok());
+    return problem;
+  };
+  const Problem by_hand = make(RangeInPacks{}), found = make(RangeOfResidual{});
+  const Eigen::MatrixXd H = by_hand.Hessian();
+  const Eigen::VectorXd b = by_hand.Rhs();
+  ASSERT_EQ(found.Hessian().rows(), H.rows());
+  EXPECT_LT((found.Hessian() - H).cwiseAbs().maxCoeff(), 1e-12 * H.cwiseAbs().maxCoeff());
+  EXPECT_LT((found.Rhs() - b).cwiseAbs().maxCoeff(), 1e-12 * b.cwiseAbs().maxCoeff());
+}
+
 /// Derives from a template edge, and has an Evaluate of its own; or has not.
 struct HalfRange : RangeInPacks {
   bool Evaluate(const VertexPose& pose, const VertexPointXYZ& point, Vector<1>& r,
