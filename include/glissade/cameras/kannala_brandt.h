@@ -21,32 +21,36 @@ struct CameraKannalaBrandt {
   CameraPinhole pinhole;
   double k1 = 0.0, k2 = 0.0, k3 = 0.0, k4 = 0.0;
 
-  bool Project(const Vector3& p_c, Vector2& uv, Matrix<2, 3>* d_uv_d_p) const {
-    const double x = p_c[0], y = p_c[1], z = p_c[2];
-    const double r2 = x * x + y * y;
+  template <class T>
+  bool Project(const Vec<T, 3>& p_c, Vec<T, 2>& uv, Mat<T, 2, 3>* d_uv_d_p) const {
+    using std::atan2;
+    using std::sqrt;
+    const T x = p_c[0], y = p_c[1], z = p_c[2];
+    const T r2 = x * x + y * y;
     // s = theta_d / r and A = (d theta_d / dr - s) / r^2; theta_d' = d theta_d / d theta.
-    double s, A, slope;
-    if (z > 0.0 && r2 < 1e-10 * z * z) {
-      s = (1.0 + (k1 - 1.0 / 3) * (r2 / (z * z))) / z;
-      A = 2.0 * (k1 - 1.0 / 3) / (z * z * z);
-      slope = 1.0 + 3.0 * k1 * (r2 / (z * z));
+    T s, A, slope;
+    if ((z > T(0.0)) & (r2 < T(1e-10) * z * z)) {
+      s = (T(1.0) + T(k1 - 1.0 / 3) * (r2 / (z * z))) / z;
+      A = T(2.0 * (k1 - 1.0 / 3)) / (z * z * z);
+      slope = T(1.0) + T(3.0 * k1) * (r2 / (z * z));
     } else {
-      const double r = std::sqrt(r2);
-      if (!(r > 0.0)) return false;
-      const double theta = std::atan2(r, z);
+      const T r = sqrt(r2);
+      if (!(r > T(0.0))) return false;
+      const T theta = atan2(r, z);
       s = Distort(theta, slope) / r;
       A = (slope * z / (r2 + z * z) - s) / r2;
     }
-    uv[0] = pinhole.fx * s * x + pinhole.cx;
-    uv[1] = pinhole.fy * s * y + pinhole.cy;
+    const T fx(pinhole.fx), fy(pinhole.fy);
+    uv = {{fx * s * x + T(pinhole.cx), fy * s * y + T(pinhole.cy)}};
     if (d_uv_d_p != nullptr) {
-      const double d_z = -slope / (r2 + z * z);
-      *d_uv_d_p << s + A * x * x, A * x * y, d_z * x,  //
-          A * x * y, s + A * y * y, d_z * y;
-      d_uv_d_p->row(0) *= pinhole.fx;
-      d_uv_d_p->row(1) *= pinhole.fy;
+      const T d_z = -slope / (r2 + z * z);
+      *d_uv_d_p = {{fx * (s + A * x * x), fx * A * x * y, fx * d_z * x,  //
+                    fy * A * x * y, fy * (s + A * y * y), fy * d_z * y}};
     }
     return true;
+  }
+  bool Project(const Vector3& p_c, Vector2& uv, Matrix<2, 3>* d_uv_d_p) const {
+    return internal::ProjectEigen(*this, p_c, uv, d_uv_d_p);
   }
 
   /// By Newton's method on theta. False where there is no ray (x/z, y/z, 1): 90 degrees and more
@@ -85,10 +89,11 @@ struct CameraKannalaBrandt {
 
  private:
   /// theta_d and d theta_d / d theta.
-  double Distort(double theta, double& slope) const {
-    const double n = theta * theta;
-    slope = 1.0 + n * (3.0 * k1 + n * (5.0 * k2 + n * (7.0 * k3 + n * 9.0 * k4)));
-    return theta * (1.0 + n * (k1 + n * (k2 + n * (k3 + n * k4))));
+  template <class T>
+  T Distort(const T& theta, T& slope) const {
+    const T n = theta * theta;
+    slope = T(1.0) + n * (T(3.0 * k1) + n * (T(5.0 * k2) + n * (T(7.0 * k3) + n * T(9.0 * k4))));
+    return theta * (T(1.0) + n * (T(k1) + n * (T(k2) + n * (T(k3) + n * T(k4)))));
   }
 
   /// The smallest theta in [0, pi/2) with this theta_d. Safeguarded: theta_d grows from 0 on the

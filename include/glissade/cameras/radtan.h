@@ -21,19 +21,25 @@ struct CameraRadtan {
   CameraPinhole pinhole;
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;
 
-  bool Project(const Vector3& p_c, Vector2& uv, Matrix<2, 3>* d_uv_d_p) const {
-    Vector2 xy;
+  template <class T>
+  bool Project(const Vec<T, 3>& p_c, Vec<T, 2>& uv, Mat<T, 2, 3>* d_uv_d_p) const {
+    Vec<T, 2> xy;
     if (!CameraIdentity().Project(p_c, xy, d_uv_d_p)) return false;
-    Matrix2 d_distorted_d_xy;
-    const Vector2 distorted = Distort(xy, d_uv_d_p != nullptr ? &d_distorted_d_xy : nullptr);
-    uv[0] = pinhole.fx * distorted[0] + pinhole.cx;
-    uv[1] = pinhole.fy * distorted[1] + pinhole.cy;
+    Mat<T, 2, 2> d_distorted_d_xy;
+    const Vec<T, 2> distorted = Distort(xy, d_uv_d_p != nullptr ? &d_distorted_d_xy : nullptr);
+    uv = {{T(pinhole.fx) * distorted[0] + T(pinhole.cx),
+           T(pinhole.fy) * distorted[1] + T(pinhole.cy)}};
     if (d_uv_d_p != nullptr) {
-      d_distorted_d_xy.row(0) *= pinhole.fx;
-      d_distorted_d_xy.row(1) *= pinhole.fy;
-      *d_uv_d_p = (d_distorted_d_xy * *d_uv_d_p).eval();
+      for (int c = 0; c < 2; ++c) {
+        d_distorted_d_xy(0, c) *= T(pinhole.fx);
+        d_distorted_d_xy(1, c) *= T(pinhole.fy);
+      }
+      *d_uv_d_p = d_distorted_d_xy * *d_uv_d_p;
     }
     return true;
+  }
+  bool Project(const Vector3& p_c, Vector2& uv, Matrix<2, 3>* d_uv_d_p) const {
+    return internal::ProjectEigen(*this, p_c, uv, d_uv_d_p);
   }
 
   /// By Newton's method. False where it finds no ray on the branch that contains the image centre:
@@ -82,17 +88,26 @@ struct CameraRadtan {
   friend bool operator==(const CameraRadtan&, const CameraRadtan&) = default;
 
  private:
-  [[nodiscard]] Vector2 Distort(const Vector2& xy, Matrix2* J) const {
-    const double x = xy[0], y = xy[1], n = x * x + y * y;
-    const double radial = 1.0 + n * (k1 + n * (k2 + n * k3));
+  template <class T>
+  [[nodiscard]] Vec<T, 2> Distort(const Vec<T, 2>& xy, Mat<T, 2, 2>* J) const {
+    const T x = xy[0], y = xy[1], n = x * x + y * y;
+    const T radial = T(1.0) + n * (T(k1) + n * (T(k2) + n * T(k3)));
     if (J != nullptr) {
-      const double slope = 2.0 * (k1 + n * (2.0 * k2 + n * 3.0 * k3));  // d radial / d n * 2
-      const double off = slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y;
-      *J << radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x, off,  //
-          off, radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x;
+      // d radial / d n * 2
+      const T slope = T(2.0) * (T(k1) + n * (T(2.0 * k2) + n * T(3.0 * k3)));
+      const T off = slope * x * y + T(2.0 * p1) * x + T(2.0 * p2) * y;
+      *J = {{radial + slope * x * x + T(2.0 * p1) * y + T(6.0 * p2) * x, off,  //
+             off, radial + slope * y * y + T(6.0 * p1) * y + T(2.0 * p2) * x}};
     }
-    return {x * radial + 2.0 * p1 * x * y + p2 * (n + 2.0 * x * x),
-            y * radial + p1 * (n + 2.0 * y * y) + 2.0 * p2 * x * y};
+    return {{x * radial + T(2.0 * p1) * x * y + T(p2) * (n + T(2.0) * x * x),
+             y * radial + T(p1) * (n + T(2.0) * y * y) + T(2.0 * p2) * x * y}};
+  }
+  [[nodiscard]] Vector2 Distort(const Vector2& xy, Matrix2* J) const {
+    Mat<double, 2, 2> d;
+    const Vec<double, 2> out = Distort(Vec<double, 2>{{xy[0], xy[1]}}, J != nullptr ? &d : nullptr);
+    for (int i = 0; J != nullptr && i < 4; ++i)
+      (*J)(i / 2, i % 2) = d[i];
+    return {out[0], out[1]};
   }
 
   /// Smallest d(r radial(r)) / dr on the way from the centre to |xy|: positive on the first branch.
