@@ -97,7 +97,8 @@ int EdgePoolBase::EvaluateRun(const LaneRun& run, const LaneValues& values,
   if (first_estimates != FirstEstimates::kFull || values.J == nullptr || !HasMoved(run)) {
     return evaluate(edges(), run, values);
   }
-  if (traits().first_estimate_rule == FirstEstimateRule::kWhole) return EvaluateOneByOne(run, values);
+  if (traits().first_estimate_rule == FirstEstimateRule::kWhole)
+    return EvaluateOneByOne(run, values);
   return EvaluateRelative(run, values, evaluate);
 }
 

@@ -47,7 +47,7 @@ void FindViewTangent(const double* state, ViewTangent<V, double>* out) {
       }
       out->d[(9 + row) * kDim + row] = 1.0;
     }
-  } else if constexpr (kViewIsState<V> && requires { requires V::kAdditive; }) {
+  } else if constexpr (kViewIsState<V> && kIsAdditive<V>) {
     for (int n = 0; n < kDim; ++n)
       out->d[n * kDim + n] = 1.0;
   } else {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "glissade/edges/concept.h"
-#include "glissade/graph/edge_lists.h"
 #include "glissade/edges/lane_run.h"
+#include "glissade/graph/edge_lists.h"
 #include "glissade/graph/edge_plan.h"
 #include "glissade/graph/slot_map.h"
 #include "glissade/graph/vertex_pool.h"
