@@ -54,6 +54,8 @@ class Minimizer {
     summary_.num_landmarks = static_cast<int>(w_.structure.landmarks().size()) +
                              w_.structure.reprojections().num_landmarks;
     summary_.num_edges = w_.structure.num_edges();
+    // Filled at the end, where a failure would come too late: states have changed.
+    summary_.edges.reserve(graph_->edge_pools().size());
     if (!Linearize()) return;
     summary_.initial_cost = summary_.final_cost = lowest_cost_ = cost_;
     rules_.Start(cost_, w_.equations);

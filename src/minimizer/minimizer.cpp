@@ -12,8 +12,7 @@ namespace glissade {
 
 namespace {
 
-// With room for all that the solve will put there: it must not fail once states have changed.
-void Reset(const SolveOptions& options, std::size_t num_edge_types, SolveSummary* summary) {
+void Reset(const SolveOptions& options, SolveSummary* summary) {
   // In place, so that the storage of the last summary serves again.
   std::vector<IterationSummary> iterations = std::move(summary->iterations);
   std::vector<EdgeEvaluation> edges = std::move(summary->edges);
@@ -24,7 +23,6 @@ void Reset(const SolveOptions& options, std::size_t num_edge_types, SolveSummary
   summary->edges = std::move(edges);
   summary->iterations.reserve(
       static_cast<std::size_t>(std::clamp(options.max_iterations, 0, 4095)) + 1);
-  summary->edges.reserve(num_edge_types);
 }
 
 void Run(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options,
@@ -60,7 +58,7 @@ const SolveSummary& Solve(Graph* graph, SolverWorkspace* workspace, const SolveO
     workspace->Discard();
   };
   try {
-    Reset(options, graph->edge_pools().size(), &summary);
+    Reset(options, &summary);
     Run(graph, workspace, options, start);
   } catch (const std::bad_alloc&) {
     fail(StatusCode::kOutOfMemory, "out of memory");
