@@ -6,7 +6,10 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "common/sanitized.h"
 #include "glissade/gauge/move.h"
@@ -69,6 +72,30 @@ JointCovariance Transformed(const JointCovariance& cov, const Gauge& to) {
   return std::move(moved).value();
 }
 
+/// The worst error, over three anchors, of a covariance brought from the free gauge to a fixed one.
+struct FreeToFixedError {
+  double worst = 0.0;
+  double bound = 0.0;  ///< of rounding: 100 eps times the condition number
+};
+
+FreeToFixedError FreeToFixed(std::uint64_t seed, const GaugeSceneOptions& options) {
+  FreeToFixedError error;
+  GaugeScene scene(seed, options);
+  EXPECT_TRUE(scene.problem.Solve(Converge(Gauge::Fixed{scene.poses[0]})).ok());
+  const auto raw = RawFreeGaugePseudoInverse(&scene.problem);
+  EXPECT_TRUE(raw.ok()) << raw.status().message();
+  if (!raw.ok()) return error;
+  for (const std::size_t anchor : {0u, 4u, 9u}) {
+    const JointCovariance fixed = InGauge(&scene, Gauge::Fixed{scene.poses[anchor]});
+    const JointCovariance moved = Transformed(raw.value(), Gauge::Fixed{scene.poses[anchor]});
+    error.worst = std::max(error.worst, RelativeError(moved, fixed));
+    error.bound = std::max(error.bound, 100.0 * kEps * ReducedCondition(scene, anchor));
+    // A free covariance is another matrix altogether.
+    EXPECT_GT(RelativeError(raw.value(), fixed), 0.1);
+  }
+  return error;
+}
+
 // The paper's Fig. 9: free to fixed. Its 0.11 % is the difference between two solves; at one point
 // of linearization nothing but rounding is left.
 TEST(TransformCovariance, FreeToFixed) {
@@ -76,26 +103,19 @@ TEST(TransformCovariance, FreeToFixed) {
     for (const bool inverse_depth : {false, true}) {
       GaugeSceneOptions options = Inertial(biases, inverse_depth);
       options.views = 10;
-      GaugeScene scene(1, options);
-      ASSERT_TRUE(scene.problem.Solve(Converge(Gauge::Fixed{scene.poses[0]})).ok());
-      const auto raw = RawFreeGaugePseudoInverse(&scene.problem);
-      ASSERT_TRUE(raw.ok()) << raw.status().message();
-      double worst = 0.0, condition = 0.0;
-      for (const std::size_t anchor : {0u, 4u, 9u}) {
-        const JointCovariance fixed = InGauge(&scene, Gauge::Fixed{scene.poses[anchor]});
-        const JointCovariance moved = Transformed(raw.value(), Gauge::Fixed{scene.poses[anchor]});
-        worst = std::max(worst, RelativeError(moved, fixed));
-        condition = std::max(condition, ReducedCondition(scene, anchor));
-        // A free covariance is another matrix altogether.
-        EXPECT_GT(RelativeError(raw.value(), fixed), 0.1);
+      std::vector<double> errors;
+      for (std::uint64_t seed = 1; seed <= 9; ++seed) {
+        const FreeToFixedError error = FreeToFixed(seed, options);
+        std::printf("[          ] biases %d, inverse depths %d: error %.2g, 100 eps cond %.2g\n",
+                    biases, inverse_depth, error.worst, error.bound);
+        EXPECT_LT(error.worst, error.bound);
+        errors.push_back(error.worst);
       }
-      std::printf("[          ] biases %d, inverse depths %d: error %.2g, 100 eps cond %.2g\n",
-                  biases, inverse_depth, worst, 100.0 * kEps * condition);
-      EXPECT_LT(worst, 100.0 * kEps * condition);
+      std::ranges::sort(errors);
       if (!biases) {
-        // 3e-10 to 5e-10 as released, under each instruction set; not optimized, sums round
-        // otherwise.
-        EXPECT_LT(worst, test::kSanitized ? 3e-9 : 1e-9);
+        // One error is a draw of rounding, of a few eps cond; the median over scenes is 1e-10 to
+        // 7e-10 as released, under each instruction set; not optimized, sums round otherwise.
+        EXPECT_LT(errors[4], test::kSanitized ? 3e-9 : 1e-9);
       }
     }
   }
