@@ -17,7 +17,7 @@ Status LinearizedGraph::Linearize(Graph* graph, const Gauge& gauge, int num_thre
   GaugeGuard guard;
   if (Status status = guard.Begin(gauge, graph); !status.ok()) return status;
   Status status =
-      structure.Analyze(graph, {.allow_duplicate_observations = true, .fuse_reprojections = false});
+      structure.Analyze(graph, {.allow_duplicate_observations = true, .group_landmarks = false});
   if (!status.ok()) return status;
   double cost = 0.0;
   status = equations.Linearize(structure, graph, &threads, &cost);

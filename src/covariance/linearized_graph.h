@@ -31,7 +31,7 @@ struct LinearizedGraph {
   std::vector<GaugeReference> references;
   std::vector<AnyVertex> vertices;  ///< all, in the graph's order
 
-  /// At the present values. All landmarks take the general path, which keeps W.
+  /// At the present values. No landmarks in groups, which keep no W.
   Status Linearize(Graph* graph, const Gauge& gauge, int num_threads);
   /// After Linearize. The reduced system, undamped.
   Status Eliminate(const Graph& graph);

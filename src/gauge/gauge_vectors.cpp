@@ -79,9 +79,9 @@ GaugeVectors::GaugeVectors(const Graph& graph, const Structure& structure,
       }
     }
   }
-  if (orbit.group() != GaugeGroup::kMono || structure.reprojections().empty()) return;
+  if (orbit.group() != GaugeGroup::kMono || structure.groups().empty()) return;
   const VertexPoolBase& depths = *graph.PoolOf(&kTypeInfo<VertexInverseDepth>);
-  for (const std::int32_t landmark : structure.reprojections().landmark_of_lane) {
+  for (const std::int32_t landmark : structure.groups().landmark_of_lane) {
     lanes_.push_back(landmark < 0 ? 0.0 : -GaugeState(depths, landmark, point)[0]);
   }
 }
@@ -102,7 +102,7 @@ std::vector<double> GaugeVectors::Whole(const Structure& structure, int directio
   }
   if (!lanes_.empty() && direction == dim_ - 1) {
     std::copy(lanes_.begin(), lanes_.end(),
-              u.begin() + structure.num_pose_scalars() + structure.reprojections().first_step);
+              u.begin() + structure.num_pose_scalars() + structure.groups().first_step);
   }
   return u;
 }

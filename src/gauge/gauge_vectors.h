@@ -25,7 +25,7 @@ class GaugeVectors {
   /// Rows of a pose block, dim(block) x dim() row-major; null where they are zero.
   [[nodiscard]] const double* Pose(int block) const { return At(block); }
   [[nodiscard]] const double* Landmark(int landmark) const { return At(num_poses_ + landmark); }
-  /// Whether landmarks of the fused path move.
+  /// Whether landmarks in groups move.
   [[nodiscard]] bool has_lanes() const { return !lanes_.empty(); }
   /// One direction over all variables, in the order of NormalEquations::step().
   [[nodiscard]] std::vector<double> Whole(const Structure& structure, int direction) const;

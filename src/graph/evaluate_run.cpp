@@ -85,14 +85,13 @@ void MoveRelativePointLanes(int rows, const LaneRun& run, const double* lin_b,
 
 }  // namespace
 
-bool EdgePoolBase::evaluates_in_packs() const {
-  return lanes::EvaluatorOf(type_) != nullptr || evaluate_lanes_ != nullptr;
+EvaluateLanes EdgePoolBase::LibraryEvaluator(const TypeInfo* type) {
+  return lanes::EvaluatorOf(type);
 }
 
 int EdgePoolBase::EvaluateRun(const LaneRun& run, const LaneValues& values,
                               FirstEstimates first_estimates) const {
-  const EvaluateLanes library = lanes::EvaluatorOf(type_);
-  const EvaluateLanes evaluate = library != nullptr ? library : evaluate_lanes_;
+  const EvaluateLanes evaluate = evaluate_lanes_;
   if (evaluate == nullptr) return EvaluateOneByOne(run, values);
   if (first_estimates != FirstEstimates::kFull || values.J == nullptr || !HasMoved(run)) {
     return evaluate(edges(), run, values);

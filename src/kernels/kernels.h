@@ -18,8 +18,8 @@
 
 #include <stdint.h>
 
-#include "kernels/reprojection.h"
 #include "kernels/schur.h"
+#include "kernels/twists.h"
 
 namespace glissade::kernels {
 
@@ -125,6 +125,9 @@ struct KernelTable {
   /// J <- scale (J - alpha_over_s r (r'J)), scale and alpha_over_s per lane.
   void (*correct_lanes)(int rows, int cols, int lanes, const double* r, const double* scale,
                         const double* alpha_over_s, double* J);
+  /// Huber's loss of the squared residuals s, widths per lane (infinite: none). root =
+  /// sqrt(rho'(s)); returns the sum of rho(s) / 2.
+  double (*huber_lanes)(int lanes, const double* s, const double* width, double* root);
   /// x <- scale x.
   void (*scale_lanes)(int rows, int lanes, const double* scale, double* x);
   /// out (dim_a x dim_b, row-major) += alpha sum over rows and lanes of a'b. a == b: symmetric,
@@ -136,20 +139,19 @@ struct KernelTable {
   void (*lane_couplings)(int rows, int lanes, int count, int dim_a, const double* a, int dim_b,
                          const double* b, double alpha, const int64_t* offset, double* base);
 
-  // ---- Reprojection, fused (kernels/reprojection.h) ---------------------------------------------
+  // ---- Landmarks of one host, poses as twists (kernels/twists.h) -------------------------------
 
-  /// Residuals, derivatives and their products for all landmarks of a host: every `out` member.
-  void (*reprojection_linearize)(ReprojectionHost* host);
-  /// The cost alone.
-  double (*reprojection_cost)(const ReprojectionHost* host);
+  /// Adds what a run of edges makes: every array after `frame`.
+  void (*twist_sums)(const TwistRun* run);
   /// One column per lane, of 7 + 6 num_targets rows:
   ///   [beta; scale * W_host; scale * W_target 0; ...]   in twists; ldw >= that. Rows of targets
   /// that do not see the lane are not written.
-  void (*reprojection_panel)(const ReprojectionHost* host, const double* scale, const double* beta,
-                             double* w, int ldw);
-  /// step = inverse_h (b_l - W' xi); twists: 6 numbers for the host, then for each target.
-  void (*reprojection_back_substitute)(const ReprojectionHost* host, const double* twists,
-                                       const double* inverse_h, double* step);
+  void (*twist_panel)(const TwistGroup* group, const double* scale, const double* beta, double* w,
+                      int ldw);
+  /// product = W' xi per lane; twists: 6 numbers for the host, then for each target.
+  void (*twist_transpose_product)(const TwistGroup* group, const double* twists, double* product);
+  /// sums = W u, in twists: 6 numbers for the host, then for each target.
+  void (*twist_product)(const TwistGroup* group, const double* u, double* sums);
   /// Pivots of `count` scalar landmarks: inverse_h = 1 / (h + lambda clamp(h, min, max)), scale =
   /// its square root, beta = b scale; what lies beyond in the last vector is set to 0.
   /// Returns the first lane whose pivot is not positive and finite, or -1.

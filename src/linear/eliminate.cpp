@@ -11,8 +11,8 @@
 #include "kernels/kernels.h"
 #include "linear/block_copy.h"
 #include "linear/landmark_view.h"
-#include "linear/reprojection_terms.h"
 #include "linear/schur_storage.h"
+#include "linear/twist_terms.h"
 
 namespace glissade {
 
@@ -75,7 +75,7 @@ StepFailure NormalEquations::CheckLandmarks(const Structure& structure, const Gr
       failure.vertex = graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index);
     } else {
       failure.vertex = graph.Pool<VertexInverseDepth>()->HandleAt(
-          structure.reprojections().landmark_of_lane[Index(lane)]);
+          structure.groups().landmark_of_lane[Index(lane)]);
     }
     break;
   }
@@ -167,7 +167,7 @@ StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& 
 
   threads->Run(structure.num_chunks(), [&](int chunk) {
     InvertLandmarks(structure, damping, chunk);
-    chunks_[Index(chunk)].failed_lane = reprojections_->Eliminate(structure, damping, chunk);
+    chunks_[Index(chunk)].failed_lane = twists_->Eliminate(structure, damping, chunk);
   });
   if (StepFailure failure = CheckLandmarks(structure, graph); !failure.ok()) return failure;
 
@@ -184,8 +184,8 @@ StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& 
     StartColumns(structure, damping, cuts[Index(task)], cuts[Index(task) + 1]);
     ReduceColumns(structure, cuts[Index(task)], cuts[Index(task) + 1], scratch.data());
   });
-  reprojections_->AddReduced(structure, graph, threads, schur_->reprojection_places(),
-                             schur_->data(), schur_->rhs().data());
+  twists_->AddReduced(structure, graph, threads, schur_->group_places(), schur_->data(),
+                      schur_->rhs().data());
   return {};
 }
 
@@ -222,7 +222,7 @@ StepFailure NormalEquations::Solve(const Structure& structure, const Graph& grap
       kernels::Kernels().landmark_step(&landmark, step_.data(),
                                        step_.data() + num_poses_scalars_ + block.step);
     }
-    reprojections_->BackSubstitute(structure, step_, chunk, step_.data() + num_poses_scalars_);
+    twists_->BackSubstitute(structure, step_, chunk, step_.data() + num_poses_scalars_);
   });
   double poison = 0.0;
   for (const double x : step_)

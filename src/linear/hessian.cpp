@@ -9,7 +9,7 @@
 #include <algorithm>
 
 #include "glissade/linear/normal_equations.h"
-#include "linear/reprojection_terms.h"
+#include "linear/twist_terms.h"
 
 namespace glissade {
 
@@ -158,11 +158,11 @@ void NormalEquations::FillDiagonal(const Structure& structure) {
       b_[scalar] = record[landmark.dim * landmark.dim + k];
     }
   }
-  const std::size_t first_lane = Index(num_poses_scalars_ + structure.reprojections().first_step);
-  const std::size_t lanes = structure.reprojections().landmark_of_lane.size();
+  const std::size_t first_lane = Index(num_poses_scalars_ + structure.groups().first_step);
+  const std::size_t lanes = structure.groups().landmark_of_lane.size();
   for (std::size_t k = 0; k < lanes; ++k) {
-    diagonal_[first_lane + k] = reprojections_->h()[k];
-    b_[first_lane + k] = reprojections_->b()[k];
+    diagonal_[first_lane + k] = twists_->h()[k];
+    b_[first_lane + k] = twists_->b()[k];
   }
 }
 

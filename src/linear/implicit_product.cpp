@@ -6,7 +6,7 @@
 #include "glissade/linear/normal_equations.h"
 #include "kernels/kernels.h"
 #include "linear/landmark_view.h"
-#include "linear/reprojection_terms.h"
+#include "linear/twist_terms.h"
 
 namespace glissade {
 
@@ -53,7 +53,7 @@ void NormalEquations::MultiplyReduced(const double* x, double* y) {
                      h_ll_inverse_.data() + inverse_begin_[Index(l)]);
       kernels::Kernels().schur_multiply(&landmark, x, product.data());
     }
-    reprojections_->SubtractProduct(structure, x, chunk, product.data());
+    twists_->SubtractProduct(structure, x, chunk, product.data());
   });
   for (std::size_t k = 0; k < n; ++k) {
     double sum = damping_.lambda * DampingOf(damping_, diagonal_[k]) * x[k];

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "glissade/graph/robust.h"
 #include "kernels/kernels.h"
 
 namespace glissade {
@@ -14,13 +13,6 @@ namespace {
 
 std::size_t Index(std::int64_t i) {
   return static_cast<std::size_t>(i);
-}
-
-/// The first lane of which one of `count` numbers is not finite, or -1.
-int FindNotFinite(int lanes, std::int64_t count, const double* x) {
-  const double* const end = x + count;
-  const double* const found = std::find_if_not(x, end, [](double a) { return std::isfinite(a); });
-  return found != end ? static_cast<int>((found - x) % lanes) : -1;
 }
 
 }  // namespace
@@ -84,51 +76,24 @@ LandmarkRuns::Values LandmarkRuns::Place(const Run& run, bool jacobians, Scratch
 int LandmarkRuns::Weigh(const Graph& graph, const Run& run, const Values& values, Scratch* scratch,
                         double* cost) const {
   const kernels::KernelTable& kernel = kernels::Kernels();
-  const Vertex* vertex = vertex_.data() + run.vertex_begin;
-  if (run.whitening != Whitening::kIdentity) {
-    const double* L = weights_.data() + run.weight_begin;
-    const int per_lane = run.whitening == Whitening::kPerLane ? 1 : 0;
-    kernel.whiten_lanes(run.rows, 1, run.lanes, L, per_lane, values.r, scratch->work.data());
-    for (int i = 0; i < run.arity; ++i) {
-      if (values.J[i] == nullptr) continue;
-      kernel.whiten_lanes(run.rows, vertex[i].dim, run.lanes, L, per_lane, values.J[i],
-                          scratch->work.data());
-    }
-  }
-  double* const squares = scratch->squares.data();
-  const double sum = kernel.lane_squares(run.rows, run.lanes, values.r, squares);
-  if (!std::isfinite(sum)) {
-    // Not the sum alone, which is for who adds up the costs to find.
-    const int failed = FindNotFinite(run.lanes, std::int64_t{run.rows} * run.lanes, values.r);
-    if (failed >= 0) return failed;
-  }
-  if (!run.robust) {
-    *cost += 0.5 * sum;
-    return std::isfinite(sum) ? -1 : FindNotFinite(run.lanes, run.lanes, squares);
-  }
-  const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
-  double* const scale = scratch->scale.data();
-  double* const alpha = scratch->alpha.data();
-  double* const residual_scale = squares;  // each is read before it is written
-  for (int s = 0; s < run.count; ++s) {
-    const internal::RobustScale robust(pool.loss(edge_[Index(run.lane_begin + s)]), squares[s]);
-    if (!std::isfinite(robust.cost)) return s;
-    *cost += robust.cost;
-    scale[s] = robust.jacobian_scale;
-    alpha[s] = robust.alpha_over_s;
-    residual_scale[s] = robust.residual_scale;
-  }
-  std::fill(scale + run.count, scale + run.lanes, 0.0);
-  std::fill(alpha + run.count, alpha + run.lanes, 0.0);
-  std::fill(residual_scale + run.count, residual_scale + run.lanes, 0.0);
-  bool linearizes = false;
+  LaneMatrix J[kMaxTypedArity];
+  std::size_t matrices = 0;
   for (int i = 0; i < run.arity; ++i) {
     if (values.J[i] == nullptr) continue;
-    linearizes = true;
-    kernel.correct_lanes(run.rows, vertex[i].dim, run.lanes, values.r, scale, alpha, values.J[i]);
+    J[matrices++] = {values.J[i], vertex_[Index(run.vertex_begin + i)].dim};
   }
-  if (!linearizes) return -1;
-  kernel.scale_lanes(run.rows, run.lanes, residual_scale, values.r);
+  LaneWeights::Factors factors;
+  const int failed = weights_.Weigh(run.weights, *graph.edge_pools()[Index(run.pool)],
+                                    edge_.data() + run.lane_begin, nullptr, values.r, {J, matrices},
+                                    &scratch->weights, cost, &factors);
+  if (failed >= 0 || matrices == 0) return failed;
+  if (factors.weight != nullptr) kernel.scale_lanes(run.rows, run.lanes, factors.weight, values.r);
+  if (factors.weight == nullptr && factors.scale == 1.0) return -1;
+  double* const factor = scratch->factor.data();
+  for (int s = 0; s < run.lanes; ++s)
+    factor[s] = factors.weight != nullptr ? factors.scale * factors.weight[s] : factors.scale;
+  for (std::size_t m = 0; m < matrices; ++m)
+    kernel.scale_lanes(run.rows * J[m].cols, run.lanes, factor, J[m].data);
   return -1;
 }
 
@@ -176,7 +141,7 @@ bool LandmarkRuns::Linearize(const Graph& graph, int chunk, NormalEquationsSink*
     int failed = Evaluate(graph, run, values, sink->first_estimates, scratch);
     if (failed < 0) failed = Weigh(graph, run, values, scratch, &sink->cost);
     if (failed < 0 && kernels::Kernels().lanes_finite(values.count, values.r) == 0) {
-      failed = FindNotFinite(run.lanes, values.count, values.r);
+      failed = FindNotFiniteLane(run.lanes, values.count, values.r);
     }
     if (failed >= 0) return Fail(run, failed, sink, pool);
     Accumulate(run, values, sink);

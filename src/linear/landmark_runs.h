@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "glissade/linear/normal_equations.h"
+#include "linear/lane_weights.h"
 
 namespace glissade {
 
@@ -13,7 +14,7 @@ namespace glissade {
 /// make a run. A pool evaluates a run into arrays with one number per edge; weights, losses and the
 /// sums that go into H and b are then the same code for every type of edge (the kernels on lanes).
 ///
-/// Takes all typed edges on a free landmark of the general path; the others go edge by edge
+/// Takes all typed edges on a free landmark that is in no group; the others go edge by edge
 /// (EdgePoolBase::Linearize).
 class LandmarkRuns {
  public:
@@ -47,7 +48,6 @@ class LandmarkRuns {
   bool Cost(const Graph& graph, int chunk, NormalEquationsSink* sink, std::int32_t* pool);
 
  private:
-  enum class Whitening : std::uint8_t { kIdentity, kCommon, kPerLane };
   struct Run {
     std::int32_t pool = 0;
     std::int32_t rows = 0;
@@ -59,9 +59,7 @@ class LandmarkRuns {
     std::int64_t vertex_begin = 0;  ///< in vertex_: `arity` of them
     std::int64_t pair_begin = 0;    ///< in h_block_: plan::NumPairs(arity) offsets
     std::int64_t w_begin = 0;       ///< in w_: `lanes` offsets for each vertex
-    std::int64_t weight_begin = 0;  ///< in weights_
-    Whitening whitening = Whitening::kIdentity;
-    bool robust = false;  ///< one of the losses is not trivial
+    LaneWeights::Run weights;
   };
   struct Vertex {
     std::int32_t index = 0;  ///< in its pool; of the landmark: -1
@@ -77,7 +75,8 @@ class LandmarkRuns {
   };
   /// Values of one run and what weighing them needs; one per chunk.
   struct Scratch {
-    std::vector<double> values, work, squares, scale, alpha;
+    std::vector<double> values, work, factor;
+    LaneWeights::Scratch weights;
     std::vector<const double*> states, points;  // of the landmarks of a run
     std::int64_t* redone = nullptr;             // of the chunk, per pool
   };
@@ -114,10 +113,10 @@ class LandmarkRuns {
   std::vector<std::int64_t> record_;       // offset of its record
   std::vector<Vertex> vertex_;
   std::vector<std::int64_t> h_block_, w_;
-  std::vector<double> weights_;
+  LaneWeights weights_;
   std::vector<Scratch> scratch_;
   std::vector<Item> items_, rest_;
-  std::size_t max_values_ = 0, max_work_ = 0;
+  std::size_t max_values_ = 0, max_work_ = 0, max_rows_ = 0;
 };
 
 }  // namespace glissade

@@ -75,7 +75,7 @@ void LandmarkRuns::Plan(const Structure& structure, const Graph& graph) {
   h_block_.clear();
   w_.clear();
   chunk_begin_.assign(1, 0);
-  max_values_ = max_work_ = 0;
+  max_values_ = max_work_ = max_rows_ = 0;
   for (int chunk = 0; chunk < num_chunks; ++chunk) {
     for (const EdgeRun& edges : structure.EdgesOfChunk(chunk)) {
       const EdgePoolBase& pool = *graph.edge_pools()[Index(edges.pool)];
@@ -98,8 +98,8 @@ void LandmarkRuns::Plan(const Structure& structure, const Graph& graph) {
   for (Scratch& scratch : scratch_) {
     scratch.values.resize(std::max(scratch.values.size(), max_values_));
     scratch.work.resize(std::max(scratch.work.size(), max_work_));
-    for (auto* array : {&scratch.squares, &scratch.scale, &scratch.alpha})
-      array->resize(kMaxRun);
+    scratch.factor.resize(kMaxRun);
+    scratch.weights.Resize(kMaxRun, max_rows_);
     scratch.states.resize(kMaxRun);
     scratch.points.resize(kMaxRun);
   }
@@ -176,6 +176,7 @@ void LandmarkRuns::AddRun(const EdgePoolBase& pool, int id, int arity, const std
       w_.push_back(block != plan::kNone ? record_[Index(run.lane_begin + s)] + block : plan::kNone);
     }
   }
+  max_rows_ = std::max(max_rows_, Index(run.rows));
   max_values_ = std::max(max_values_, Index(run.rows) * Index(columns) * Index(run.lanes));
   max_work_ = std::max({max_work_, Index(run.rows) * Index(columns),
                         Index(kPoseColumns * run.rows) * Index(run.lanes)});
@@ -184,37 +185,10 @@ void LandmarkRuns::AddRun(const EdgePoolBase& pool, int id, int arity, const std
 
 void LandmarkRuns::PlanWeights(const Graph& graph) {
   weights_version_ = graph.weights_version();
-  weights_.clear();
+  weights_.Clear();
   for (Run& run : runs_) {
-    const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
-    const std::int32_t* edges = edge_.data() + run.lane_begin;
-    const int size = run.rows * run.rows;
-    run.weight_begin = static_cast<std::int64_t>(weights_.size());
-    run.whitening = Whitening::kIdentity;
-    run.robust = false;
-    const double* first = pool.whitening(edges[0]);
-    for (int s = 0; s < run.count; ++s) {
-      run.robust = run.robust || !pool.loss(edges[s]).trivial();
-      const double* L = pool.whitening(edges[s]);
-      if (first == nullptr && L == nullptr) continue;
-      if (first != nullptr && L != nullptr && std::equal(L, L + size, first)) {
-        if (run.whitening == Whitening::kIdentity) run.whitening = Whitening::kCommon;
-      } else {
-        run.whitening = Whitening::kPerLane;
-      }
-    }
-    if (run.whitening == Whitening::kCommon) {
-      weights_.insert(weights_.end(), first, first + size);
-    } else if (run.whitening == Whitening::kPerLane) {
-      weights_.resize(weights_.size() + Index(size) * Index(run.lanes), 0.0);
-      double* out = weights_.data() + run.weight_begin;
-      for (int s = 0; s < run.lanes; ++s) {
-        const double* L = pool.whitening(edges[s]);
-        for (int k = 0; k < size; ++k) {
-          out[k * run.lanes + s] = L != nullptr ? L[k] : (k % (run.rows + 1) == 0 ? 1.0 : 0.0);
-        }
-      }
-    }
+    run.weights = weights_.Add(*graph.edge_pools()[Index(run.pool)], edge_.data() + run.lane_begin,
+                               run.rows, run.count, run.lanes);
   }
 }
 

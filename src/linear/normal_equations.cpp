@@ -7,8 +7,8 @@
 #include <string>
 
 #include "linear/landmark_runs.h"
-#include "linear/reprojection_terms.h"
 #include "linear/schur_storage.h"
+#include "linear/twist_terms.h"
 
 namespace glissade {
 
@@ -38,7 +38,7 @@ StepFailure::operator Status() const {
 
 NormalEquations::NormalEquations()
     : runs_(std::make_unique<LandmarkRuns>()),
-      reprojections_(std::make_unique<ReprojectionTerms>()),
+      twists_(std::make_unique<TwistTerms>()),
       schur_(std::make_unique<SchurStorage>()) {}
 NormalEquations::~NormalEquations() = default;
 NormalEquations::NormalEquations(NormalEquations&&) noexcept = default;
@@ -100,8 +100,11 @@ void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& gr
     out.failed_edge = sink.failed_edge;
     return;
   }
-  reprojections_->UpdateChunk(structure, graph, chunk);
-  out.cost = sink.cost + reprojections_->Linearize(structure, chunk, sink.h_pp, sink.b_p);
+  if (!twists_->Linearize(structure, graph, chunk, &sink, &out.failed_pool)) {
+    out.failed_edge = sink.failed_edge;
+    return;
+  }
+  out.cost = sink.cost;
 }
 
 StepFailure NormalEquations::CheckCosts(const Structure& structure, const Graph& graph,
@@ -114,15 +117,8 @@ StepFailure NormalEquations::CheckCosts(const Structure& structure, const Graph&
   }
   if (std::isfinite(*cost)) return {};
   StepFailure failure;
-  failure.code = StatusCode::kEvaluationFailed;
-  failure.what = "has no finite residual or Jacobian";
-  const int edge = reprojections_->FindFailed(graph);
-  if (edge >= 0) {
-    failure.edge = graph.Pool<EdgeReprojection>()->HandleAt(edge);
-  } else {
-    failure.code = StatusCode::kNotFinite;
-    failure.what = "the cost is not finite";
-  }
+  failure.code = StatusCode::kNotFinite;
+  failure.what = "the cost is not finite";
   return failure;
 }
 
@@ -136,10 +132,9 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
     const VertexPoolBase* pool = graph->PoolOf(tangent.vertex.type);
     tangent.UpdateBasis(pool->Data(pool->slots().IndexOf(tangent.vertex.slot)));
   }
-  reprojections_->Pack(structure, *graph);
   runs_->Plan(structure, *graph);
-  reprojections_->Update(structure, *graph);
-  reprojections_->UpdateMaps(structure, *graph);
+  twists_->Pack(structure, *graph);
+  twists_->Update(structure, *graph);
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int chunk) { LinearizeChunk(structure, *graph, chunk); });
   if (const StepFailure failure = CheckCosts(structure, *graph, cost); !failure.ok()) {
@@ -172,7 +167,6 @@ void NormalEquations::SumChunks(int num_chunks, ThreadPool* threads) {
 
 StepFailure NormalEquations::Cost(const Structure& structure, const Graph& graph,
                                   ThreadPool* threads, double* cost) {
-  reprojections_->Update(structure, graph);
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int c) {
     Chunk& chunk = chunks_[Index(c)];
@@ -194,8 +188,11 @@ StepFailure NormalEquations::Cost(const Structure& structure, const Graph& graph
       chunk.failed_edge = sink.failed_edge;
       return;
     }
-    reprojections_->UpdateChunk(structure, graph, c);
-    chunk.cost = sink.cost + reprojections_->Cost(structure, c);
+    if (!twists_->Cost(structure, graph, c, &sink, &chunk.failed_pool)) {
+      chunk.failed_edge = sink.failed_edge;
+      return;
+    }
+    chunk.cost = sink.cost;
   });
   return CheckCosts(structure, graph, cost);
 }
@@ -212,22 +209,24 @@ void NormalEquations::ListEvaluations(const Structure& structure, const Graph& g
     const int id = static_cast<int>(p);
     EdgeEvaluation entry;
     entry.type = pool.type()->name;
-    entry.lanes = runs_->Lanes(id);
+    entry.lanes = runs_->Lanes(id) + twists_->Lanes(structure, id);
+    entry.packs_redone = twists_->Redone(id);
+    const auto as_twists = static_cast<int>(twists_->Edges(structure, id));
+    entry.as_twists = as_twists;
+    (pool.evaluates_in_packs() ? entry.in_packs : entry.one_by_one) += as_twists;
     for (int chunk = 0; chunk < structure.num_chunks(); ++chunk) {
       const int taken = runs_->Taken(chunk, id);
       (pool.evaluates_in_packs() ? entry.in_packs : entry.one_by_one) += taken;
       entry.one_by_one += structure.EdgesOfChunk(chunk)[p].count - taken;
       entry.packs_redone += runs_->Redone(chunk, id);
     }
-    if (pool.type() == &kTypeInfo<EdgeReprojection>) {
-      entry.fused = structure.reprojections().num_edges;
-    }
-    if (entry.fused + entry.in_packs + entry.one_by_one > 0) out->push_back(entry);
+    if (entry.in_packs + entry.one_by_one > 0) out->push_back(entry);
   }
 }
 
 void NormalEquations::ForgetRedonePacks() {
   runs_->ForgetRedone();
+  twists_->ForgetRedone();
 }
 
 double NormalEquations::MaxGradient() const {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/linear/normal_equations.h"
-#include "linear/reprojection_terms.h"
+#include "linear/twist_terms.h"
 
 namespace glissade {
 
@@ -23,7 +23,7 @@ double Bilinear(const double* x, const DenseBlock& A, const double* y) {
 
 double NormalEquations::QuadraticForm(const Structure& structure, const Graph& graph,
                                       const std::vector<double>& d) {
-  double sum = reprojections_->QuadraticForm(structure, graph, d);
+  double sum = twists_->QuadraticForm(structure, graph, d);
   const Hessian H = GetHessian(structure);
   for (std::size_t k = 0; k < H.num_pairs(); ++k) {
     const Hessian::PosePair pair = H.Pair(k);

@@ -45,10 +45,10 @@ void SchurStorage::LayOut(const Structure& structure, SchurForm form) {
   cuts_.clear();
   ListPoseBlocks(structure);
   ListLandmarkRows(structure);
-  const ReprojectionPlan& plan = structure.reprojections();
-  reprojection_places_.resize(plan.blocks.size());
+  const LandmarkPlan& plan = structure.groups();
+  group_places_.resize(plan.blocks.size());
   for (std::size_t k = 0; k < plan.blocks.size(); ++k)
-    reprojection_places_[k] = Find(plan.blocks[k].row, plan.blocks[k].col);
+    group_places_[k] = Find(plan.blocks[k].row, plan.blocks[k].col);
   rhs_.resize(Index(all_.size()));
   laid_out_ = structure.analysis();
 }

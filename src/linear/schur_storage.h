@@ -57,10 +57,8 @@ class SchurStorage final : public SchurOperator {
   [[nodiscard]] std::int32_t NextConstant(std::int32_t c) const {
     return next_constant_[static_cast<std::size_t>(c)];
   }
-  /// By index in Structure::reprojections().blocks.
-  [[nodiscard]] const std::vector<BlockPlace>& reprojection_places() const {
-    return reprojection_places_;
-  }
+  /// By index in Structure::groups().blocks.
+  [[nodiscard]] const std::vector<BlockPlace>& group_places() const { return group_places_; }
   /// What schur_update needs to know.
   [[nodiscard]] kernels::SchurTarget Target() {
     return {data_.data(), rhs_.data(), column_.data(), stride_.data()};
@@ -100,7 +98,7 @@ class SchurStorage final : public SchurOperator {
   std::vector<std::int64_t> place_;                           // by block of the pattern
   std::vector<std::int32_t> varying_block_, first_constant_;  // the same
   std::vector<std::int32_t> next_constant_;
-  std::vector<BlockPlace> reprojection_places_;
+  std::vector<BlockPlace> group_places_;
   std::vector<std::int64_t> landmark_begin_;  // in landmark_rows_
   std::vector<std::int32_t> landmark_rows_;   // packed lower triangles
   std::vector<std::int32_t> cuts_;

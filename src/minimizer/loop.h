@@ -46,13 +46,12 @@ class Minimizer {
     {
       const Timed timed(&summary_.time.analyze_s);
       Status status = w_.structure.Analyze(
-          graph_, {.allow_duplicate_observations = options_.allow_duplicate_observations,
-                   .fuse_reprojections = options_.fuse_reprojections});
+          graph_, {.allow_duplicate_observations = options_.allow_duplicate_observations});
       if (!status.ok()) return Fail(std::move(status));
     }
     summary_.num_poses = static_cast<int>(w_.structure.poses().size());
-    summary_.num_landmarks = static_cast<int>(w_.structure.landmarks().size()) +
-                             w_.structure.reprojections().num_landmarks;
+    summary_.num_landmarks =
+        static_cast<int>(w_.structure.landmarks().size()) + w_.structure.groups().num_landmarks;
     summary_.num_edges = w_.structure.num_edges();
     // Filled at the end, where a failure would come too late: states have changed.
     summary_.edges.reserve(graph_->edge_pools().size());

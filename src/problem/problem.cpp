@@ -108,10 +108,10 @@ Status Problem::MakeHessian() {
   w.linearized = w.solved = w.updated = false;
   return Guarded(&w.solver, [&] {
     w.solver.Restore();
-    // Studying a graph with a doubled observation is fine; only Solve insists. The fused path keeps
-    // no W blocks, so what is to be looked at takes the general one.
+    // Studying a graph with a doubled observation is fine; only Solve insists. Groups of
+    // landmarks keep no W blocks, which are to be looked at here.
     Status status = w.solver.structure.Analyze(
-        this, {.allow_duplicate_observations = true, .fuse_reprojections = false});
+        this, {.allow_duplicate_observations = true, .group_landmarks = false});
     if (!status.ok()) return status;
     double cost = 0.0;
     status = w.solver.equations.Linearize(w.solver.structure, this, &w.solver.threads, &cost);

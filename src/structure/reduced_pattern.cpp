@@ -38,7 +38,7 @@ void Structure::BuildReducedPattern() {
       [&](auto&& f) {
         for (const PoseBlockPair& pair : h_blocks_)
           f(pair.col, pair.row);
-        for (const ReprojectionBlock& block : plan_.blocks)
+        for (const LandmarkPlanBlock& block : plan_.blocks)
           f(block.col, block.row);
       },
       &column_begin_, &column_rows_);

@@ -30,7 +30,7 @@ std::uint64_t NewAnalysis() {
 
 Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   const bool must_check = !checked_duplicates_ && !options.allow_duplicate_observations;
-  if (IsCurrent(*graph) && !must_check && fuses_ == options.fuse_reprojections &&
+  if (IsCurrent(*graph) && !must_check && groups_landmarks_ == options.group_landmarks &&
       Reach(*graph) <= 2.0 * plan_.reach) {
     return {};
   }
@@ -51,8 +51,8 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   NumberVariables(*graph);
   SortLandmarks();
   ListLandmarkEdges(*graph);
-  fuses_ = options.fuse_reprojections;
-  PlanReprojections(*graph, fuses_);
+  groups_landmarks_ = options.group_landmarks;
+  PlanGroups(*graph, groups_landmarks_);
   NumberLandmarkSteps(*graph);
   CutIntoChunks();
 
@@ -118,7 +118,7 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
       ++runs[ref.pool].count;
     }
   }
-  FinishReprojectionPlan();
+  FinishPlan();
   num_varying_ = h_blocks_.size();
   varying_size_ = h_size_;
   if (linear != nullptr) WriteConstantEdges(linear_id, *linear);

@@ -35,7 +35,6 @@ void ApiWalk::Solve() {
   SolveOptions options;
   options.max_iterations = random_.Int(5);
   options.allow_duplicate_observations = random_.Chance(0.9);
-  options.fuse_reprojections = random_.Chance(0.7);
   if (random_.Chance(0.3)) options.method = Method::kDogleg;
   if (random_.Chance(0.2)) options.damping = Damping::kIdentity;
   if (random_.Chance(0.1)) options.damping = Damping::kPoseBlock;
@@ -61,9 +60,8 @@ void ApiWalk::Solve() {
     Check(std::isfinite(it.lambda), "an iteration's lambda");
   }
   // A gauge prior has a cost of its own. Costs are of any order of magnitude, of rounding too: what
-  // they are held against comes from the same evaluation, which a choice of fused landmarks may
-  // not.
-  if (summary.ok() && options.gauge.kind != Gauge::Kind::kPrior && !options.fuse_reprojections) {
+  // they are held against comes from the same evaluation.
+  if (summary.ok() && options.gauge.kind != Gauge::Kind::kPrior) {
     Problem copy = problem.Clone();
     SolveOptions none = options;
     none.gauge = {};

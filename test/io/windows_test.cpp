@@ -107,33 +107,6 @@ TEST_P(Windows, OptimumOfARunToConvergence) {
   }
 }
 
-// With Ceres's damping some windows reject steps on the way: then the stored linearization is
-// eliminated again, after costs were taken elsewhere.
-TEST_P(Windows, TheFusedPathIsTheGeneralOne) {
-  SolveOptions options = EightSteps();
-  options.min_relative_decrease = 1e-3;
-  options.min_lambda = 1e-16;
-  int rejected = 0;
-  for (std::size_t w = 0; w < windows_.size(); ++w) {
-    for (const WindowKind kind : kKinds) {
-      Problem fused = MakeProblem(w, kind), general = MakeProblem(w, kind);
-      options.fuse_reprojections = true;
-      const SolveSummary a = fused.Solve(options);
-      options.fuse_reprojections = false;
-      const SolveSummary b = general.Solve(options);
-      ASSERT_EQ(a.iterations.size(), b.iterations.size());
-      rejected += b.rejected_steps;
-      for (std::size_t k = 0; k < a.iterations.size(); ++k) {
-        const double cost = b.iterations[k].cost;
-        EXPECT_NEAR(a.iterations[k].cost, cost, 1e-7 * cost) << "window " << w << ", step " << k;
-      }
-    }
-  }
-  if (std::string(GetParam()) == "win10") {
-    EXPECT_GT(rejected, 5);
-  }
-}
-
 TEST_P(Windows, ThreadsChangeNoBit) {
   for (std::size_t w = 0; w < std::min<std::size_t>(windows_.size(), 4); ++w) {
     for (const WindowKind kind : kKinds) {

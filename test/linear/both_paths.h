@@ -11,10 +11,10 @@
 #include "glissade/linear/normal_equations.h"
 
 /// \file
-/// The fused reprojection path against the general one.
+/// Landmarks eliminated in groups, poses as twists, against the same one by one.
 namespace glissade::test {
 
-/// Everything one path makes of a graph at one lambda.
+/// Everything one way makes of a graph at one lambda.
 struct PathOutcome {
   Structure structure;
   NormalEquations equations;
@@ -23,9 +23,9 @@ struct PathOutcome {
   double cost = 0.0;
   Graph* graph;
 
-  PathOutcome(Graph* g, bool fuse, const DampingTerm& damping) : graph(g) {
+  PathOutcome(Graph* g, bool group, const DampingTerm& damping) : graph(g) {
     EXPECT_TRUE(
-        structure.Analyze(g, {.allow_duplicate_observations = true, .fuse_reprojections = fuse})
+        structure.Analyze(g, {.allow_duplicate_observations = true, .group_landmarks = group})
             .ok());
     Run(damping);
   }
@@ -64,16 +64,16 @@ struct PathOutcome {
 
 /// Cost, H, b, S, b_s and the step; H and S in units of their own diagonals, the step to
 /// 1e3 * tolerance of its largest number.
-inline void ExpectSame(PathOutcome* fused, PathOutcome& general, double tolerance) {
-  const Graph& graph = *general.graph;
-  EXPECT_NEAR(fused->cost, general.cost, 1e-12 * general.cost);
-  EXPECT_NEAR(fused->equations.MaxGradient(), general.equations.MaxGradient(),
-              tolerance * general.equations.MaxGradient());
-  EXPECT_NEAR(fused->equations.MaxDiagonal(), general.equations.MaxDiagonal(),
-              tolerance * general.equations.MaxDiagonal());
+inline void ExpectSame(PathOutcome* groups, PathOutcome& single, double tolerance) {
+  const Graph& graph = *single.graph;
+  EXPECT_NEAR(groups->cost, single.cost, 1e-12 * single.cost);
+  EXPECT_NEAR(groups->equations.MaxGradient(), single.equations.MaxGradient(),
+              tolerance * single.equations.MaxGradient());
+  EXPECT_NEAR(groups->equations.MaxDiagonal(), single.equations.MaxDiagonal(),
+              tolerance * single.equations.MaxDiagonal());
 
-  const auto n = static_cast<std::size_t>(general.structure.num_pose_scalars());
-  const std::vector<double> H_a = fused->PoseHessian(), H_b = general.PoseHessian();
+  const auto n = static_cast<std::size_t>(single.structure.num_pose_scalars());
+  const std::vector<double> H_a = groups->PoseHessian(), H_b = single.PoseHessian();
   ASSERT_EQ(H_a.size(), H_b.size());
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
@@ -82,10 +82,10 @@ inline void ExpectSame(PathOutcome* fused, PathOutcome& general, double toleranc
           << "H " << i << ' ' << j;
     }
   }
-  ASSERT_EQ(fused->equations.reduced().layout().size(), static_cast<std::int64_t>(n));
-  ASSERT_EQ(general.equations.reduced().layout().size(), static_cast<std::int64_t>(n));
-  const BlockView S_a = fused->equations.reduced().Block(0);
-  const BlockView S_b = general.equations.reduced().Block(0);
+  ASSERT_EQ(groups->equations.reduced().layout().size(), static_cast<std::int64_t>(n));
+  ASSERT_EQ(single.equations.reduced().layout().size(), static_cast<std::int64_t>(n));
+  const BlockView S_a = groups->equations.reduced().Block(0);
+  const BlockView S_b = single.equations.reduced().Block(0);
   const auto at = [](const BlockView& S, std::size_t i, std::size_t j) {
     return S.data[i + j * static_cast<std::size_t>(S.stride)];
   };
@@ -96,38 +96,38 @@ inline void ExpectSame(PathOutcome* fused, PathOutcome& general, double toleranc
           << "S " << i << ' ' << j;
     }
   }
-  const std::vector<double>& b_a = fused->equations.reduced_rhs();
-  const std::vector<double>& b_b = general.equations.reduced_rhs();
+  const std::vector<double>& b_a = groups->equations.reduced_rhs();
+  const std::vector<double>& b_b = single.equations.reduced_rhs();
   double b_max = 0.0;
   for (std::size_t i = 0; i < n; ++i)
     b_max = std::max(b_max, std::abs(b_b[i]));
   for (std::size_t i = 0; i < n; ++i)
     ASSERT_NEAR(b_a[i], b_b[i], tolerance * b_max) << "b_s " << i;
   double step_max = 0.0;
-  for (const double x : general.equations.step())
+  for (const double x : single.equations.step())
     step_max = std::max(step_max, std::abs(x));
   for (const auto& pool : graph.vertex_pools()) {
     const int id = pool->id();
     for (int k = 0; k < pool->size(); ++k) {
       for (int i = 0; i < pool->ops().tangent_dim; ++i) {
-        const double h = general.Of(general.equations.diagonal(), id, k, i);
-        ASSERT_NEAR(fused->Of(fused->equations.diagonal(), id, k, i), h, tolerance * h)
+        const double h = single.Of(single.equations.diagonal(), id, k, i);
+        ASSERT_NEAR(groups->Of(groups->equations.diagonal(), id, k, i), h, tolerance * h)
             << "H " << pool->ops().type->name << ' ' << k;
         // A gradient is a sum of products of columns of the Jacobian with residuals.
-        ASSERT_NEAR(fused->Of(fused->equations.b(), id, k, i),
-                    general.Of(general.equations.b(), id, k, i),
-                    tolerance * std::sqrt(2.0 * h * general.cost))
+        ASSERT_NEAR(groups->Of(groups->equations.b(), id, k, i),
+                    single.Of(single.equations.b(), id, k, i),
+                    tolerance * std::sqrt(2.0 * h * single.cost))
             << "b " << pool->ops().type->name << ' ' << k;
-        ASSERT_NEAR(fused->Of(fused->equations.step(), id, k, i),
-                    general.Of(general.equations.step(), id, k, i), 1e3 * tolerance * step_max)
+        ASSERT_NEAR(groups->Of(groups->equations.step(), id, k, i),
+                    single.Of(single.equations.step(), id, k, i), 1e3 * tolerance * step_max)
             << "step " << pool->ops().type->name << ' ' << k;
       }
     }
   }
   double cost_again = 0.0;
-  EXPECT_TRUE(fused->equations.Cost(fused->structure, graph, &fused->threads, &cost_again).ok());
-  EXPECT_NEAR(cost_again, general.cost, 1e-12 * general.cost);
-  EXPECT_NEAR(cost_again, graph.Cost().value(), 1e-12 * general.cost);
+  EXPECT_TRUE(groups->equations.Cost(groups->structure, graph, &groups->threads, &cost_again).ok());
+  EXPECT_NEAR(cost_again, single.cost, 1e-12 * single.cost);
+  EXPECT_NEAR(cost_again, graph.Cost().value(), 1e-12 * single.cost);
 }
 
 }  // namespace glissade::test

@@ -33,7 +33,7 @@ class SchurStorageTest : public testing::TestWithParam<std::tuple<GraphKind, boo
     graph_ = MakeRandomGraph(std::get<0>(GetParam()), seed, options);
     threads_.Resize(num_threads);
     Status status = structure_.Analyze(&graph_, {.allow_duplicate_observations = true,
-                                                 .fuse_reprojections = std::get<1>(GetParam())});
+                                                 .group_landmarks = std::get<1>(GetParam())});
     ASSERT_TRUE(status.ok()) << status.message();
     double cost = 0.0;
     status = equations_.Linearize(structure_, &graph_, &threads_, &cost);

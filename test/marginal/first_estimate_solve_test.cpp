@@ -13,6 +13,7 @@
 #include "glissade/edges/marginal_prior.h"
 #include "glissade/marginal/marginalize.h"
 #include "glissade/problem/problem.h"
+#include "linear/both_paths.h"
 #include "support/dense_reference.h"
 #include "support/vi_walk.h"
 
@@ -110,22 +111,14 @@ TEST(FirstEstimateSolve, TheSystemIsThatOfADenseReference) {
   EXPECT_GT(test::HessianError(problem.Hessian(), expected.H), 1e-4);
 }
 
-TEST(FirstEstimateSolve, BothPathsForLandmarksTakeTheSameSteps) {
-  Snapshot result[2];
-  for (const bool fused : {false, true}) {
-    test::ViWalk walk(22);
-    Problem problem;
-    MakeWindow(&walk, &problem, 0.02);
-    SolveOptions options;
-    options.fuse_reprojections = fused;
-    const SolveSummary& summary = problem.Solve(options);
-    EXPECT_TRUE(summary.converged()) << summary.BriefReport();
-    result[fused ? 1 : 0] = problem.GetSnapshot();
-  }
-  double largest = 0.0;
-  for (std::size_t k = 0; k < result[0].states.size(); ++k)
-    largest = std::max(largest, std::abs(result[0].states[k] - result[1].states[k]));
-  EXPECT_LT(largest, 1e-6);
+TEST(FirstEstimateSolve, LandmarksInGroupsTakeTheSameStep) {
+  test::ViWalk walk(22);
+  Problem problem;
+  MakeWindow(&walk, &problem, 0.02);
+  const DampingTerm damping{.lambda = 1e-3};
+  test::PathOutcome groups(&problem, true, damping), single(&problem, false, damping);
+  EXPECT_GT(groups.structure.groups().num_landmarks, 0);
+  test::ExpectSame(&groups, single, 1e-9);
 }
 
 TEST(FirstEstimateSolve, EndsAsConvergedHoweverFarTheFirstEstimatesAre) {

@@ -89,12 +89,12 @@ TEST(QuadraticForm, EqualsTheDenseProduct) {
   const Eigen::Map<const Eigen::VectorXd> direction(d.data(), H.rows());
   const double expected = direction.dot(H * direction);
 
-  for (const bool fuse : {false, true}) {
+  for (const bool group : {false, true}) {
     Structure structure;
     NormalEquations equations;
     ThreadPool threads;
     double cost = 0.0;
-    ASSERT_TRUE(structure.Analyze(&problem, {.fuse_reprojections = fuse}).ok());
+    ASSERT_TRUE(structure.Analyze(&problem, {.group_landmarks = group}).ok());
     ASSERT_TRUE(equations.Linearize(structure, &problem, &threads, &cost).ok());
     // Lanes are sorted and padded: bring the direction into the order of step().
     std::vector<double> sorted(equations.step().size(), 0.0);

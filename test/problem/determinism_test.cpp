@@ -16,7 +16,7 @@ namespace glissade {
 namespace {
 
 /// Frames along x that see what the frames before them host; a third of the landmarks with a loss
-/// that sends them through the general path.
+/// that has no kernel.
 void Build(Problem* problem, int num_frames, int landmarks_per_frame, bool with_detours) {
   std::vector<VertexHandle<VertexPose>> frames;
   for (int k = 0; k < num_frames; ++k) {

@@ -40,7 +40,7 @@ class Window {
     // Points that the frame before hosts are seen from here.
     EdgeOptions<EdgeReprojection> options;
     options.sqrt_information = Matrix2(400.0 * Matrix2::Identity());
-    if (robust_) options.loss = Cauchy{2.0};  // takes the general path
+    if (robust_) options.loss = Cauchy{2.0};  // a loss without a kernel
     for (int k = 0; frames_.size() > 1 && k < 12; ++k) {
       const auto depth = problem.AddVertex(VertexInverseDepth{0.2 + 0.002 * k});
       EdgeReprojection edge;

@@ -36,7 +36,7 @@ Problem MakeProblem() {
         edge.uv_target = edge.uv_host + Vector2(-0.06 * (t - h), 0.002 * std::sin(7 * l + t));
         EdgeOptions<EdgeReprojection> options;
         options.sqrt_information = Matrix2(300.0 * Matrix2::Identity());
-        if (l % 2 == 0) options.loss = Cauchy{3.0};  // the general path
+        if (l % 2 == 0) options.loss = Cauchy{3.0};  // a loss without a kernel
         EXPECT_TRUE(problem.AddEdge(edge, {frame(h), frame(t), depth}, options).ok());
       }
     }
@@ -113,7 +113,6 @@ TEST_F(OutOfMemory, OfASolveIsAStatusAndTheNextSolveWorks) {
   all[3].gauge = Gauge::Fixed{pose};
   all[4].gauge = Gauge::Prior{pose};
   all[4].linear_solver_type = LinearSolverType::kPcg;
-  all[5].fuse_reprojections = false;
   all[6].linear_solver_type = LinearSolverType::kImplicitPcg;
   all[5].callback = [](const IterationSummary&) { return CallbackAction::kContinue; };
   for (const SolveOptions& options : all) {

@@ -24,7 +24,7 @@ class EdgePoolBase {
  public:
   /// arity: of all its edges, 0 if it differs.
   EdgePoolBase(const TypeInfo* type, const EdgeTraits& traits, int arity)
-      : type_(type), traits_(&traits), lists_(arity) {}
+      : type_(type), traits_(&traits), evaluate_lanes_(LibraryEvaluator(type)), lists_(arity) {}
   virtual ~EdgePoolBase() = default;
 
   [[nodiscard]] const TypeInfo* type() const { return type_; }
@@ -95,8 +95,9 @@ class EdgePoolBase {
   /// The edges themselves, for evaluate_lanes.
   [[nodiscard]] virtual const void* edges() const { return nullptr; }
   /// Whether EvaluateRun takes several edges at once.
-  [[nodiscard]] bool evaluates_in_packs() const;
-  /// How to evaluate edges in packs, for types that can; of the unit that first adds one.
+  [[nodiscard]] bool evaluates_in_packs() const { return evaluate_lanes_ != nullptr; }
+  /// How to evaluate edges in packs, for types that can: the library's own way for its own types,
+  /// else that of the unit that first adds one.
   void set_evaluate_lanes(EvaluateLanes function) {
     if (evaluate_lanes_ == nullptr) evaluate_lanes_ = function;
   }
@@ -138,13 +139,14 @@ class EdgePoolBase {
     return static_cast<std::uint32_t>(losses_.size() - 1);
   }
 
+  static EvaluateLanes LibraryEvaluator(const TypeInfo* type);
   int EvaluateOneByOne(const LaneRun& run, const LaneValues& values) const;
   int EvaluateRelative(const LaneRun& run, const LaneValues& values, EvaluateLanes evaluate) const;
   [[nodiscard]] bool HasMoved(const LaneRun& run) const;
 
   const TypeInfo* type_;
   const EdgeTraits* traits_;
-  EvaluateLanes evaluate_lanes_ = nullptr;
+  EvaluateLanes evaluate_lanes_;
   internal::SlotMap slots_;
   internal::EdgeLists lists_;
   std::vector<Loss> losses_;

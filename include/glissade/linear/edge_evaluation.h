@@ -10,9 +10,11 @@ namespace glissade {
 /// How the edges of one type are evaluated that have a vertex that is not fixed, by their number.
 struct EdgeEvaluation {
   std::string_view type;  ///< its name
-  int fused = 0;          ///< residual, Jacobians and sums in one kernel (ReprojectionPlan)
   int in_packs = 0;       ///< as many at once as a register has room for (base/pack.h)
   int one_by_one = 0;
+  /// Of both: on landmarks that are eliminated in groups of one host, poses as twists
+  /// (structure/landmark_plan.h).
+  int as_twists = 0;
   /// That edges on landmarks take up, in packs or not: edges on the same vertices but for the
   /// landmark fill blocks of 8, the last of which is not full.
   std::int64_t lanes = 0;

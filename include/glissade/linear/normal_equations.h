@@ -27,8 +27,8 @@ struct DampingTerm {
 };
 
 class LandmarkRuns;
-class ReprojectionTerms;
 class SchurStorage;
+class TwistTerms;
 
 /// Why a step or a trial cost does not exist: a Status without its message, because a step that is
 /// rejected must not allocate. Converts to the Status when somebody is to be told.
@@ -116,7 +116,7 @@ class NormalEquations {
   /// Where the last Linearize() was.
   [[nodiscard]] const LinearizedStates& point() const { return point_; }
   /// H by its parts, for who wants to look at it: puts together what the solvers take piece by
-  /// piece. Fused landmarks are not among them.
+  /// piece. Landmarks in groups (Structure::groups()) are not among them.
   [[nodiscard]] Hessian GetHessian(const Structure& structure);
   /// b = -gradient of all free variables, in the order of step().
   [[nodiscard]] const std::vector<double>& b() const { return b_; }
@@ -169,7 +169,7 @@ class NormalEquations {
   std::vector<std::uint8_t> held_;
   LinearizedStates point_;
   std::unique_ptr<LandmarkRuns> runs_;
-  std::unique_ptr<ReprojectionTerms> reprojections_;
+  std::unique_ptr<TwistTerms> twists_;
   std::unique_ptr<SchurStorage> schur_;
   // What products with an S that is not stored need.
   const Structure* eliminated_ = nullptr;

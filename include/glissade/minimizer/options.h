@@ -90,8 +90,6 @@ struct SolveOptions {
   /// Your own solver of the reduced system (linear/linear_solver.h), used instead of
   /// linear_solver_type where not null. Not owned; must outlive the solve.
   LinearSolver* linear_solver = nullptr;
-  /// Send inverse-depth landmarks that only EdgeReprojection touches through the fused kernels.
-  bool fuse_reprojections = true;
   /// Does not change a bit of the result. Where the system refuses threads, the solve goes on with
   /// those there are: SolveSummary::num_threads.
   int num_threads = 1;

@@ -9,7 +9,7 @@
 #include "glissade/base/status.h"
 #include "glissade/graph/graph.h"
 #include "glissade/structure/block_index.h"
-#include "glissade/structure/reprojection_plan.h"
+#include "glissade/structure/landmark_plan.h"
 
 namespace glissade {
 
@@ -58,20 +58,21 @@ struct EdgeRun {
 
 struct StructureOptions {
   bool allow_duplicate_observations = false;
-  /// Send landmarks that qualify through the fused kernels (ReprojectionPlan).
-  bool fuse_reprojections = true;
+  /// Eliminate landmarks in groups where they qualify (LandmarkPlan). Off for who wants all of H:
+  /// groups keep no landmark's part of it.
+  bool group_landmarks = true;
 };
 
 /// What follows from the graph's topology alone: order of the variables, edges per landmark, block
 /// sparsity, where each edge adds what, and how the work is cut. States decide one thing only,
-/// which landmarks the fused kernels may have (ReprojectionPlan::kMaxReach).
+/// which landmarks may be in groups (LandmarkPlan::kMaxReach).
 ///
 /// Computed once and kept until the graph's structure changes. The cut into chunks depends on the
 /// problem only, never on the number of threads: same input, same bits.
 class Structure {
  public:
   /// Analyzes anew if the graph has changed since the last time (compacting it), or if its poses
-  /// have moved too far apart for reprojections(); cheap otherwise.
+  /// have moved too far apart for groups(); cheap otherwise.
   /// Fails, naming both edges, on an observation that is in the graph twice.
   Status Analyze(Graph* graph, const StructureOptions& options = {});
   /// Whether the last analysis was of this graph as it is now.
@@ -83,9 +84,9 @@ class Structure {
   /// First scalar of each pose block, and their total at the end.
   [[nodiscard]] const std::vector<std::int32_t>& pose_offsets() const { return pose_offsets_; }
   [[nodiscard]] int num_pose_scalars() const { return pose_offsets_.back(); }
-  /// Landmarks of the general path; those of the fused one are in reprojections().
+  /// Landmarks that are eliminated one by one; the others are in groups().
   [[nodiscard]] const std::vector<LandmarkBlock>& landmarks() const { return landmarks_; }
-  [[nodiscard]] const ReprojectionPlan& reprojections() const { return plan_; }
+  [[nodiscard]] const LandmarkPlan& groups() const { return plan_; }
   [[nodiscard]] int num_landmark_scalars() const { return num_landmark_scalars_; }
   [[nodiscard]] int num_edges() const { return num_edges_; }
 
@@ -162,20 +163,27 @@ class Structure {
     return h_blocks_[static_cast<std::size_t>(PairIndex(row, col))].offset;
   }
   void GrowPairTable();
-  void FindFusedLandmarks(const Graph& graph);
+  enum class PoolKind : std::uint8_t { kOther, kHostAndTarget, kLandmarkOnly };
+  void ClassifyPools(const Graph& graph);
+  [[nodiscard]] std::int32_t HostOf(std::size_t landmark) const;
+  void FindGroups(const Graph& graph);
   void ChooseCenter(const Graph& graph);
   void LeaveOutFarLandmarks(const Graph& graph);
   [[nodiscard]] double Reach(const Graph& graph) const;
-  void PlanReprojections(const Graph& graph, bool allow);
-  void LayOutGroup(ReprojectionGroup* group);
-  void RemoveFusedFromGeneral();
-  void FinishReprojectionPlan();
+  void PlanGroups(const Graph& graph, bool allow);
+  void PlanGroup(const Graph& graph, LandmarkGroup* group, std::size_t begin, std::size_t end);
+  std::int32_t FindRun(const Graph& graph, const LandmarkGroup& group, const EdgeRef& ref,
+                       std::int32_t lane);
+  void LayOutGroup(LandmarkGroup* group);
+  void FillHoles(const LandmarkRun& run);
+  void RemoveGroupedFromLandmarks();
+  void FinishPlan();
   std::int32_t PlanBlock(std::int32_t row, std::int32_t col);
   template <class F>
   void ForEachEdgeOf(std::int32_t landmark, F&& f) const {
     const auto l = static_cast<std::size_t>(landmark);
     for (std::int32_t k = landmark_edges_begin_[l]; k < landmark_edges_begin_[l + 1]; ++k) {
-      f(landmark_edges_[static_cast<std::size_t>(k)].edge);
+      f(landmark_edges_[static_cast<std::size_t>(k)]);
     }
   }
   void BuildReducedPattern();
@@ -197,8 +205,8 @@ class Structure {
   std::vector<std::int32_t> constant_edges_;
   std::vector<ConstantBlock> constant_blocks_;
   std::vector<BlockIndex> reduced_pattern_;
-  ReprojectionPlan plan_;
-  bool fuses_ = true;
+  LandmarkPlan plan_;
+  bool groups_landmarks_ = true;
   std::uint64_t analysis_ = 0;
   std::vector<std::int64_t> landmark_records_;
   std::int64_t landmark_buffer_size_ = 0;
@@ -246,16 +254,19 @@ class Structure {
   std::vector<EdgeRef> duplicate_table_;
   std::vector<std::int32_t> column_begin_, column_rows_;   // of the reduced pattern, unsorted
   std::vector<std::int32_t> seen_begin_, seen_landmarks_;  // of each pose block
-  struct FusedLandmark {
+  struct GroupedLandmark {
     std::int32_t group, length, landmark;
   };
-  std::vector<FusedLandmark> fused_;
+  std::vector<GroupedLandmark> grouped_;
+  std::vector<PoolKind> pool_kind_;
+  std::vector<std::int32_t> first_run_, next_run_, first_edge_, run_of_edge_, moved_pair_;
+  std::vector<double> distance_;  // of each pose from the center
   struct WeightedCoordinate {
     double value;
     std::int64_t landmarks;
   };
   std::vector<WeightedCoordinate> coordinates_;
-  std::vector<std::uint8_t> is_fused_;
+  std::vector<std::uint8_t> is_grouped_;
   std::vector<std::int32_t> group_of_host_, pair_of_pose_, frames_, chain_of_row_, next_in_row_;
 };
 

@@ -10,12 +10,12 @@
 #include "kernels/impl/left_multiply.h"
 #include "kernels/impl/partial.h"
 #include "kernels/impl/rank_update.h"
-#include "kernels/impl/reprojection.h"
 #include "kernels/impl/schur.h"
 #include "kernels/impl/small.h"
 #include "kernels/impl/triangular.h"
 #include "kernels/impl/triangular_many.h"
 #include "kernels/impl/twist_blocks.h"
+#include "kernels/impl/twists.h"
 #include "kernels/impl/vector.h"
 #include "kernels/kernels.h"
 
@@ -62,13 +62,14 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .whiten_lanes = WhitenLanes,
     .lane_squares = LaneSquares,
     .correct_lanes = CorrectLanes,
+    .huber_lanes = HuberLanes,
     .scale_lanes = ScaleLanes,
     .lane_products = LaneProducts,
     .lane_couplings = LaneCouplings,
-    .reprojection_linearize = ReprojectionLinearize,
-    .reprojection_cost = ReprojectionCost,
-    .reprojection_panel = ReprojectionPanel,
-    .reprojection_back_substitute = ReprojectionBackSubstitute,
+    .twist_sums = TwistSums,
+    .twist_panel = TwistPanel,
+    .twist_transpose_product = TwistTransposeProduct,
+    .twist_product = TwistProduct,
     .landmark_pivots = LandmarkPivots,
     .add_twist_blocks = AddTwistBlocks,
     .map_block = MapBlock,

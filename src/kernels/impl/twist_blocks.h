@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Around the fused elimination of kernels/reprojection.h: pivots of the landmarks before it, sums
+// Around the elimination of groups (kernels/twists.h): pivots of the landmarks before it, sums
 // over hosts and the map from twists to the tangent after it.
 
 #ifndef GLISSADE_KERNELS_IMPL_TWIST_BLOCKS_H_
 #define GLISSADE_KERNELS_IMPL_TWIST_BLOCKS_H_
 
 #include "kernels/impl/simd.h"
-#include "kernels/reprojection.h"
+#include "kernels/twists.h"
 
 namespace glissade::kernels {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The fused reprojection path against the general one: the same reduced system and the same step,
-// whatever the graph is like.
+// Landmarks eliminated in groups against the same one by one: the same reduced system and the same
+// step, whatever the graph is like.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ struct Scene {
   bool two_cameras = false;
   bool information = false;  // a different 2 x 2 per edge
   bool huber = false;        // some edges
-  bool tukey = false;        // some landmarks leave the fused path
+  bool tukey = false;        // some landmarks: a loss without a kernel
   bool fixed = false;        // a pose, a landmark and part of a pose
   bool far_origin = false;   // 1 km away
   bool at_infinity = false;
@@ -116,11 +116,11 @@ void ExpectSame(const Scene& scene, unsigned seed, double tolerance) {
   for (const bool identity : {false, true}) {
     // Enough to make the step comparable where the gauge is free.
     const DampingTerm damping{.lambda = identity ? 1e4 : 0.1, .identity = identity};
-    test::PathOutcome fused(&graph, true, damping), general(&graph, false, damping);
-    // It would prove nothing if landmarks took the general path in both.
-    EXPECT_EQ(fused.structure.landmarks().empty(), !scene.tukey);
-    EXPECT_GT(fused.structure.reprojections().num_landmarks, 0);
-    test::ExpectSame(&fused, general, tolerance);
+    test::PathOutcome groups(&graph, true, damping), single(&graph, false, damping);
+    // It would prove nothing if landmarks were eliminated one by one in both.
+    EXPECT_TRUE(groups.structure.landmarks().empty());
+    EXPECT_GT(groups.structure.groups().num_landmarks, 0);
+    test::ExpectSame(&groups, single, tolerance);
   }
 }
 
@@ -129,10 +129,10 @@ void ExpectSame(const Scene& scene, double tolerance = 1e-11) {
     ExpectSame(scene, seed, tolerance);
 }
 
-TEST(ReprojectionTerms, PlainWindow) {
+TEST(TwistTerms, PlainWindow) {
   ExpectSame({});
 }
-TEST(ReprojectionTerms, ManySizes) {
+TEST(TwistTerms, ManySizes) {
   for (const int poses : {2, 3, 7, 10, 20, 35}) {
     for (const int landmarks : {1, 7, 8, 9, 64, 300}) {
       if (landmarks < 4) continue;  // too few to make a system without damping worth comparing
@@ -140,31 +140,31 @@ TEST(ReprojectionTerms, ManySizes) {
     }
   }
 }
-TEST(ReprojectionTerms, TracksWithGaps) {
+TEST(TwistTerms, TracksWithGaps) {
   ExpectSame({.num_poses = 9, .gaps = true});
 }
-TEST(ReprojectionTerms, TwoCameras) {
+TEST(TwistTerms, TwoCameras) {
   ExpectSame({.two_cameras = true});
 }
-TEST(ReprojectionTerms, InformationPerEdge) {
+TEST(TwistTerms, InformationPerEdge) {
   ExpectSame({.information = true});
 }
-TEST(ReprojectionTerms, HuberOnSomeEdges) {
+TEST(TwistTerms, HuberOnSomeEdges) {
   ExpectSame({.huber = true});
 }
-TEST(ReprojectionTerms, OtherLossesTakeTheGeneralPath) {
+TEST(TwistTerms, OtherLosses) {
   ExpectSame({.huber = true, .tukey = true});
 }
-TEST(ReprojectionTerms, FixedPosesAndLandmarks) {
+TEST(TwistTerms, FixedPosesAndLandmarks) {
   ExpectSame({.fixed = true});
 }
-TEST(ReprojectionTerms, PointsAtInfinity) {
+TEST(TwistTerms, PointsAtInfinity) {
   ExpectSame({.at_infinity = true});
 }
-TEST(ReprojectionTerms, FarFromTheOrigin) {
+TEST(TwistTerms, FarFromTheOrigin) {
   ExpectSame({.far_origin = true}, 1e-10);
 }
-TEST(ReprojectionTerms, Everything) {
+TEST(TwistTerms, Everything) {
   ExpectSame({.num_poses = 12,
               .num_landmarks = 200,
               .max_track = 6,
@@ -176,7 +176,7 @@ TEST(ReprojectionTerms, Everything) {
               .fixed = true});
 }
 
-TEST(ReprojectionTerms, EdgeWithoutAValueIsNamed) {
+TEST(TwistTerms, EdgeWithoutAValueIsNamed) {
   Graph graph = Builder(3).Build({});
   // A target that sits on the point it observes: zero depth.
   const VertexHandle<VertexPose> host = graph.AddVertex(VertexPose{});

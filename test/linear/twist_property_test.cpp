@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What the edges of one landmark may differ in, at random: whatever the fused path takes for equal
-// within a landmark, a pair or a group must be equal, or the landmark must go the general way.
+// What the edges of one landmark may differ in, at random: whatever is taken for equal within a
+// landmark, a run, a pair or a group must be equal, or the landmark must be eliminated alone.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ struct Variation {
   const char* name;
   bool uv_host = false;      ///< per edge, now and then by one bit
   bool extrinsic = false;    ///< per edge, now and then by one bit
-  bool information = false;  ///< per edge: general, without one row, the identity
+  bool information = false;  ///< per edge: single, without one row, the identity
   bool loss = false;         ///< per edge: none, Huber of many widths, Cauchy
   bool hosts = false;        ///< several hosts for a landmark, also each other's targets
   bool duplicates = false;   ///< a pose observes a landmark twice
@@ -126,7 +126,7 @@ class Builder {
     const std::size_t host = Below(kPoses);
     const int views = 2 + static_cast<int>(Below(4));
     for (int k = 0; k < views; ++k) {
-      // A part of the landmarks stays as the fused path wants it.
+      // A part of the landmarks stays as the groups path wants it.
       const auto varies = [&](bool kind) { return kind && Chance(0.15); };
       EdgeReprojection e = edge;
       e.uv_host = uv;
@@ -202,57 +202,51 @@ class Builder {
   std::vector<Seen> seen_;
 };
 
-class ReprojectionProperty : public testing::TestWithParam<Variation> {};
+class TwistProperty : public testing::TestWithParam<Variation> {};
 
-TEST_P(ReprojectionProperty, FusedPathIsTheGeneralPath) {
-  int fused_landmarks = 0, general_landmarks = 0;
+TEST_P(TwistProperty, GroupsAreOneByOne) {
+  int in_groups = 0, one_by_one = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Builder builder(seed, GetParam());
     Graph graph = builder.Build();
     const DampingTerm damping{.lambda = 0.1};
-    test::PathOutcome fused(&graph, true, damping), general(&graph, false, damping);
+    test::PathOutcome groups(&graph, true, damping), single(&graph, false, damping);
     if (GetParam().weights_change) {
       builder.ChangeWeights(&graph);
-      for (test::PathOutcome* path : {&fused, &general}) {
+      for (test::PathOutcome* path : {&groups, &single}) {
         ASSERT_TRUE(path->structure
                         .Analyze(&graph, {.allow_duplicate_observations = true,
-                                          .fuse_reprojections = path == &fused})
+                                          .group_landmarks = path == &groups})
                         .ok());
         path->Run(damping);
       }
     }
-    fused_landmarks += fused.structure.reprojections().num_landmarks;
-    general_landmarks += static_cast<int>(fused.structure.landmarks().size());
-    EXPECT_EQ(general.structure.reprojections().num_landmarks, 0);
-    test::ExpectSame(&fused, general, 1e-10);
+    in_groups += groups.structure.groups().num_landmarks;
+    one_by_one += static_cast<int>(groups.structure.landmarks().size());
+    EXPECT_EQ(single.structure.groups().num_landmarks, 0);
+    test::ExpectSame(&groups, single, 1e-10);
     if (HasFatalFailure()) return;
 
-    // To the end: the same optimum, and the cost is that of the graph.
-    Problem by_lanes(graph.Clone()), by_edges(graph.Clone());
+    // To the end: the cost is that of the graph.
+    Problem by_lanes(graph.Clone());
     SolveOptions options;
     options.allow_duplicate_observations = true;
     options.max_iterations = 100;
     const SolveSummary a = by_lanes.Solve(options);
     EXPECT_TRUE(a.status.ok()) << a.status.message();
     EXPECT_NEAR(a.final_cost, by_lanes.Cost().value(), 1e-12 * a.final_cost);
-    options.fuse_reprojections = false;
-    const SolveSummary b = by_edges.Solve(options);
-    EXPECT_NEAR(a.final_cost, b.final_cost, 1e-6 * b.final_cost);
   }
-  // Both ways must have been gone where there are two.
-  EXPECT_GT(fused_landmarks, 0);
-  const Variation& v = GetParam();
-  if (v.uv_host || v.extrinsic || v.loss || v.hosts || v.duplicates || v.others) {
-    EXPECT_GT(general_landmarks, 0);
-  }
+  // Landmarks with several hosts are in no group.
+  EXPECT_GT(in_groups, 0);
+  EXPECT_EQ(one_by_one > 0, GetParam().hosts);
 }
 
-INSTANTIATE_TEST_SUITE_P(Variations, ReprojectionProperty, testing::ValuesIn(kVariations),
+INSTANTIATE_TEST_SUITE_P(Variations, TwistProperty, testing::ValuesIn(kVariations),
                          [](const auto& param) { return std::string(param.param.name); });
 
 // The defect itself: one host, one landmark, two observations of it by the host.
-TEST(ReprojectionTerms, HostObservationsThatDifferWithinALandmark) {
+TEST(TwistTerms, HostObservationsThatDifferWithinALandmark) {
   Problem problem;
   const VertexHandle<VertexPose> host = problem.AddVertex(VertexPose{});
   const VertexHandle<VertexInverseDepth> depth = problem.AddVertex(VertexInverseDepth{0.25});

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The center of the fused path, and who is too far from it: ReprojectionPlan::kMaxReach.
+// The center of the twists, and which landmarks are too far from it: LandmarkPlan::kMaxReach.
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "glissade/edges/reprojection.h"
 #include "glissade/structure/structure.h"
 
 namespace glissade {
@@ -26,20 +25,20 @@ Vector3 PositionFrom(const double* o, const VertexPool<VertexPose>& poses, std::
 
 }  // namespace
 
-// fused_ is sorted by group.
+// grouped_ is sorted by group.
 void Structure::ChooseCenter(const Graph& graph) {
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
   double median[3];
   for (int axis = 0; axis < 3; ++axis) {
     coordinates_.clear();
-    for (const ReprojectionGroup& group : plan_.groups)
+    for (const LandmarkGroup& group : plan_.groups)
       coordinates_.push_back({poses.At(group.host.pose).pose.data[axis], 0});
-    for (const FusedLandmark& landmark : fused_)
+    for (const GroupedLandmark& landmark : grouped_)
       ++coordinates_[Index(landmark.group)].landmarks;
     std::sort(
         coordinates_.begin(), coordinates_.end(),
         [](const WeightedCoordinate& a, const WeightedCoordinate& b) { return a.value < b.value; });
-    const auto total = static_cast<std::int64_t>(fused_.size());
+    const auto total = static_cast<std::int64_t>(grouped_.size());
     std::int64_t below = 0;
     for (const WeightedCoordinate& x : coordinates_) {
       below += x.landmarks;
@@ -50,7 +49,7 @@ void Structure::ChooseCenter(const Graph& graph) {
   // A host, not the median itself, which need not be near anything.
   double nearest = std::numeric_limits<double>::infinity();
   plan_.center = plan_.groups.front().host.pose;
-  for (const ReprojectionGroup& group : plan_.groups) {
+  for (const LandmarkGroup& group : plan_.groups) {
     const double distance = PositionFrom(median, poses, group.host.pose).norm();
     if (distance < nearest) {
       nearest = distance;
@@ -60,51 +59,31 @@ void Structure::ChooseCenter(const Graph& graph) {
 }
 
 void Structure::LeaveOutFarLandmarks(const Graph& graph) {
-  const EdgePool<EdgeReprojection>& pool = *graph.Pool<EdgeReprojection>();
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
   const VertexPool<VertexInverseDepth>& depths = *graph.Pool<VertexInverseDepth>();
-  std::int32_t pool_id = 0;
-  while (graph.edge_pools()[Index(pool_id)].get() != &pool)
-    ++pool_id;
-  const FlatEdges& flat = flat_[Index(pool_id)];
   const double* o = poses.At(plan_.center).pose.data;
+  distance_.resize(Index(poses.size()));
+  for (int k = 0; k < poses.size(); ++k)
+    distance_[Index(k)] = PositionFrom(o, poses, k).norm();
 
   std::size_t kept = 0;
-  std::int32_t kept_groups = 0, group = -1;
-  Vector3 host = Vector3::Zero(), camera = Vector3::Zero();  // of the group, from o
-  Matrix3 R_w_c = Matrix3::Identity();
-  for (std::size_t k = 0; k < fused_.size(); ++k) {
-    const FusedLandmark fused = fused_[k];
-    if (fused.group != group) {
-      group = fused.group;
-      const ReprojectionGroup& of = plan_.groups[Index(group)];
-      const Pose& T_b_c = pool.At(of.edge).T_b_c;
-      const Matrix3 R_w_b = poses.At(of.host.pose).pose.R();
-      host = PositionFrom(o, poses, of.host.pose);
-      camera = host + R_w_b * T_b_c.p();
-      R_w_c = R_w_b * T_b_c.R();
+  std::int32_t kept_groups = 0;
+  for (const GroupedLandmark landmark : grouped_) {
+    const double rho = std::abs(depths.At(landmarks_[Index(landmark.landmark)].index).rho);
+    const LandmarkGroup& group = plan_.groups[Index(landmark.group)];
+    double farthest = distance_[Index(group.host.pose)];
+    ForEachEdgeOf(landmark.landmark, [&](const EdgeRef& ref) {
+      if (pool_kind_[Index(ref.pool)] != PoolKind::kHostAndTarget) return;
+      const std::size_t target = 3 * Index(ref.edge) + 1;
+      farthest = std::max(farthest, distance_[Index(flat_[Index(ref.pool)].index[target])]);
+    });
+    if (!(farthest * rho <= LandmarkPlan::kMaxReach)) continue;
+    if (kept == 0 || plan_.groups[Index(kept_groups - 1)].host.pose != group.host.pose) {
+      plan_.groups[Index(kept_groups++)] = group;
     }
-    const EdgeReprojection& first =
-        pool.At(landmark_edges_[Index(landmark_edges_begin_[Index(fused.landmark)])].edge);
-    const double rho = depths.At(landmarks_[Index(fused.landmark)].index).rho;
-    bool near = true;
-    if (rho != 0.0) {  // else it is at infinity
-      const Vector3 X = camera + R_w_c * (Vector3(first.uv_host[0], first.uv_host[1], 1.0) / rho);
-      const auto within = [&](const Vector3& p) {
-        return p.norm() <= ReprojectionPlan::kMaxReach * (X - p).norm();
-      };
-      near = within(host);
-      ForEachEdgeOf(fused.landmark, [&](std::int32_t edge) {
-        near = near && within(PositionFrom(o, poses, flat.index[Index(3 * edge + 1)]));
-      });
-    }
-    if (!near) continue;
-    if (kept == 0 || plan_.groups[Index(kept_groups - 1)].edge != plan_.groups[Index(group)].edge) {
-      plan_.groups[Index(kept_groups++)] = plan_.groups[Index(group)];
-    }
-    fused_[kept++] = {kept_groups - 1, fused.length, fused.landmark};
+    grouped_[kept++] = {kept_groups - 1, landmark.length, landmark.landmark};
   }
-  fused_.resize(kept);
+  grouped_.resize(kept);
   plan_.groups.resize(Index(kept_groups));
 }
 
@@ -116,9 +95,9 @@ double Structure::Reach(const Graph& graph) const {
   const auto look = [&](std::int32_t pose) {
     reach = std::max(reach, PositionFrom(o, poses, pose).norm());
   };
-  for (const ReprojectionGroup& group : plan_.groups)
+  for (const LandmarkGroup& group : plan_.groups)
     look(group.host.pose);
-  for (const ReprojectionPair& pair : plan_.pairs)
+  for (const LandmarkPair& pair : plan_.pairs)
     look(pair.target.pose);
   return reach;
 }

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The Schur complement of ReprojectionTerms: host by host, and back.
+// The Schur complement of TwistTerms: host by host, and back.
 
 #include <algorithm>
-#include <cmath>
 
-#include "linear/reprojection_terms.h"
+#include "linear/twist_terms.h"
 
 namespace glissade {
 
@@ -27,17 +26,16 @@ void MirrorLower(double* block) {
 }
 }  // namespace
 
-int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& damping,
-                                 int chunk) {
-  const ReprojectionPlan& plan = structure.reprojections();
+int TwistTerms::Eliminate(const Structure& structure, const DampingTerm& damping, int chunk) {
+  const LandmarkPlan& plan = structure.groups();
   if (plan.empty()) return -1;
   const kernels::KernelTable& kernel = kernels::Kernels();
   Chunk& out = chunks_[Index(chunk)];
   out.blocks.assign(kBlockSize * plan.blocks.size(), 0.0);
   out.twist_rhs.assign(6 * structure.poses().size(), 0.0);
   for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
-    const ReprojectionGroup& group = plan.groups[Index(g)];
-    Host* host = HostOf(g);
+    const LandmarkGroup& group = plan.groups[Index(g)];
+    const kernels::TwistGroup* host = &groups_[Index(g)];
     const std::size_t begin = Index(group.lane_begin);
     // Padding is at the end. Identity damping: both bounds of the diagonal at 1.
     std::int32_t count = group.lanes;
@@ -58,8 +56,7 @@ int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& 
     if (out.reduced.size() < Index(stride) * Index(rows) + kBlockStride) {
       out.reduced.resize(Index(stride) * Index(rows) + kBlockStride);
     }
-    kernel.reprojection_panel(host, scale_.data() + begin, beta_.data() + begin, out.panel.data(),
-                              stride);
+    kernel.twist_panel(host, scale_.data() + begin, beta_.data() + begin, out.panel.data(), stride);
     // Landmarks see prefixes of the targets: each run of lanes needs the rows of its own only.
     for (std::int32_t lane = 0; lane < group.lanes;) {
       const auto seen = [&](std::int32_t at) {
@@ -92,7 +89,7 @@ int ReprojectionTerms::Eliminate(const Structure& structure, const DampingTerm& 
   return -1;
 }
 
-void ReprojectionTerms::ProjectMaps(const Structure& structure, const Graph& graph) {
+void TwistTerms::ProjectMaps(const Structure& structure, const Graph& graph) {
   projected_maps_ = maps_;
   for (std::size_t k = 0; k < maps_.size(); ++k) {
     const PoseBlock& pose = structure.poses()[k];
@@ -111,10 +108,9 @@ void ReprojectionTerms::ProjectMaps(const Structure& structure, const Graph& gra
   }
 }
 
-void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& graph,
-                                   ThreadPool* threads, const std::vector<BlockPlace>& places,
-                                   double* S, double* b_s) {
-  const ReprojectionPlan& plan = structure.reprojections();
+void TwistTerms::AddReduced(const Structure& structure, const Graph& graph, ThreadPool* threads,
+                            const std::vector<BlockPlace>& places, double* S, double* b_s) {
+  const LandmarkPlan& plan = structure.groups();
   if (plan.empty()) return;
   const kernels::KernelTable& kernel = kernels::Kernels();
   ProjectMaps(structure, graph);
@@ -141,7 +137,7 @@ void ReprojectionTerms::AddReduced(const Structure& structure, const Graph& grap
   });
 }
 
-void ReprojectionTerms::AddRhs(const Structure& structure, std::int32_t block, double* b_s) const {
+void TwistTerms::AddRhs(const Structure& structure, std::int32_t block, double* b_s) const {
   double sum[6] = {};
   for (int c = 0; c < structure.num_chunks(); ++c) {
     for (int i = 0; i < 6; ++i)
@@ -158,13 +154,14 @@ void ReprojectionTerms::AddRhs(const Structure& structure, std::int32_t block, d
 }
 
 // The twists of a group's frames when going by x: the host's, then those of its targets.
-void ReprojectionTerms::FillTwists(const Structure& structure, const double* x, int group,
-                                   int chunk) {
-  const ReprojectionPlan& plan = structure.reprojections();
-  const ReprojectionGroup& g = plan.groups[Index(group)];
-  std::vector<double>& twists = chunks_[Index(chunk)].twists;
+void TwistTerms::FillTwists(const Structure& structure, const double* x, int group,
+                            Chunk* chunk) const {
+  const LandmarkPlan& plan = structure.groups();
+  const LandmarkGroup& g = plan.groups[Index(group)];
+  std::vector<double>& twists = chunk->twists;
   const int num_frames = g.pair_end - g.pair_begin + 1;
   if (twists.size() < Index(6 * num_frames)) twists.resize(Index(6 * num_frames));
+  if (chunk->product.size() < Index(g.lanes)) chunk->product.resize(Index(g.lanes));
   for (int k = 0; k < num_frames; ++k) {
     const std::int32_t block =
         k == 0 ? g.host.block : plan.pairs[Index(g.pair_begin + k - 1)].target.block;
@@ -180,100 +177,74 @@ void ReprojectionTerms::FillTwists(const Structure& structure, const double* x, 
   }
 }
 
-// out = factor (b_l - W' dx) for the lanes of a chunk.
-void ReprojectionTerms::Apply(const Structure& structure, const double* dx, int chunk,
-                              const double* factor, double* out) {
-  const ReprojectionPlan& plan = structure.reprojections();
+void TwistTerms::SubtractProduct(const Structure& structure, const double* x, int index,
+                                 double* y) {
+  const LandmarkPlan& plan = structure.groups();
   if (plan.empty()) return;
-  for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
-    FillTwists(structure, dx, g, chunk);
-    const std::int32_t lane = plan.groups[Index(g)].lane_begin;
-    kernels::Kernels().reprojection_back_substitute(HostOf(g), chunks_[Index(chunk)].twists.data(),
-                                                    factor + lane, out + lane);
-  }
-}
-
-// W' x is not taken from Apply(): what b_l adds there would cost it all its digits where x is
-// small.
-void ReprojectionTerms::SubtractProduct(const Structure& structure, const double* x, int chunk,
-                                        double* y) {
-  const ReprojectionPlan& plan = structure.reprojections();
-  if (plan.empty()) return;
-  std::vector<double>& u = chunks_[Index(chunk)].product;
-  for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  Chunk* chunk = &chunks_[Index(index)];
+  for (int g = plan.chunk_begin[Index(index)]; g < plan.chunk_begin[Index(index) + 1]; ++g) {
+    const LandmarkGroup& group = plan.groups[Index(g)];
     FillTwists(structure, x, g, chunk);
-    const ReprojectionGroup& group = plan.groups[Index(g)];
-    const double* twists = chunks_[Index(chunk)].twists.data();
-    const Host& host = *HostOf(g);
-    const std::size_t lanes = Index(host.lanes);
-    const double *px = host.point, *py = px + lanes, *pz = py + lanes;
-    u.assign(lanes, 0.0);
-    for (int k = 0; k < host.num_targets; ++k) {
-      const Target& t = host.targets[k];
-      const std::size_t count = Index(t.lanes);
-      const double *fx = t.force, *fy = fx + count, *fz = fy + count;
-      double z[6];
-      for (int i = 0; i < 6; ++i)
-        z[i] = twists[i] - twists[6 * (k + 1) + i];
-      for (std::size_t l = 0; l < count; ++l) {
-        u[l] += fx[l] * (z[0] + z[4] * pz[l] - z[5] * py[l]) +
-                fy[l] * (z[1] + z[5] * px[l] - z[3] * pz[l]) +
-                fz[l] * (z[2] + z[3] * py[l] - z[4] * px[l]);
-      }
-    }
-    for (std::size_t l = 0; l < lanes; ++l)
-      u[l] *= inverse_h_[Index(group.lane_begin) + l];
-    const auto subtract = [&](std::int32_t block, double sign, const double* sum) {
-      if (block < 0) return;
+    double* const u = chunk->product.data();
+    kernel.twist_transpose_product(&groups_[Index(g)], chunk->twists.data(), u);
+    for (std::int32_t l = 0; l < group.lanes; ++l)
+      u[l] *= inverse_h_[Index(group.lane_begin + l)];
+    const int num_frames = group.pair_end - group.pair_begin + 1;
+    if (chunk->sums.size() < Index(6 * num_frames)) chunk->sums.resize(Index(6 * num_frames));
+    kernel.twist_product(&groups_[Index(g)], u, chunk->sums.data());
+    for (int k = 0; k < num_frames; ++k) {
+      const std::int32_t block =
+          k == 0 ? group.host.block : plan.pairs[Index(group.pair_begin + k - 1)].target.block;
+      if (block < 0) continue;
       const double* T = projected_maps_[Index(block)].T;
+      const double* sum = chunk->sums.data() + 6 * k;
       double* out = y + structure.poses()[Index(block)].offset;
       for (int r = 0; r < 6; ++r) {
         for (int c = 0; c < 6; ++c)
-          out[c] -= sign * T[8 * r + c] * sum[r];
+          out[c] -= T[8 * r + c] * sum[r];
       }
-    };
-    double at_host[6] = {};
-    for (int k = 0; k < host.num_targets; ++k) {
-      const Target& t = host.targets[k];
-      const std::size_t count = Index(t.lanes);
-      const double *fx = t.force, *fy = fx + count, *fz = fy + count;
-      double sum[6] = {};
-      for (std::size_t l = 0; l < count; ++l) {
-        const double f[3] = {u[l] * fx[l], u[l] * fy[l], u[l] * fz[l]};
-        for (int i = 0; i < 3; ++i)
-          sum[i] += f[i];
-        sum[3] += py[l] * f[2] - pz[l] * f[1];
-        sum[4] += pz[l] * f[0] - px[l] * f[2];
-        sum[5] += px[l] * f[1] - py[l] * f[0];
-      }
-      for (int i = 0; i < 6; ++i)
-        at_host[i] += sum[i];
-      subtract(plan.pairs[Index(group.pair_begin + k)].target.block, -1.0, sum);
     }
-    subtract(group.host.block, 1.0, at_host);
   }
 }
 
-void ReprojectionTerms::BackSubstitute(const Structure& structure, const std::vector<double>& dx,
-                                       int chunk, double* step) {
-  Apply(structure, dx.data(), chunk, inverse_h_.data(),
-        step + structure.reprojections().first_step);
+// step = (b_l - W' dx) / h for the lanes of a chunk.
+void TwistTerms::BackSubstitute(const Structure& structure, const std::vector<double>& dx,
+                                int index, double* step) {
+  const LandmarkPlan& plan = structure.groups();
+  if (plan.empty()) return;
+  Chunk* chunk = &chunks_[Index(index)];
+  double* const out = step + plan.first_step;
+  for (int g = plan.chunk_begin[Index(index)]; g < plan.chunk_begin[Index(index) + 1]; ++g) {
+    const LandmarkGroup& group = plan.groups[Index(g)];
+    FillTwists(structure, dx.data(), g, chunk);
+    const double* product = chunk->product.data();
+    kernels::Kernels().twist_transpose_product(&groups_[Index(g)], chunk->twists.data(),
+                                               chunk->product.data());
+    for (std::int32_t l = 0; l < group.lanes; ++l) {
+      const std::size_t lane = Index(group.lane_begin + l);
+      out[lane] = (b_[lane] - product[l]) * inverse_h_[lane];
+    }
+  }
 }
 
-double ReprojectionTerms::QuadraticForm(const Structure& structure, const Graph& graph,
-                                        const std::vector<double>& d) {
-  const ReprojectionPlan& plan = structure.reprojections();
+double TwistTerms::QuadraticForm(const Structure& structure, const Graph& graph,
+                                 const std::vector<double>& d) {
+  const LandmarkPlan& plan = structure.groups();
   if (plan.empty()) return 0.0;
   ProjectMaps(structure, graph);
-  ones_.assign(h_.size(), 1.0);
-  product_.resize(h_.size());
-  for (int c = 0; c < structure.num_chunks(); ++c) {
-    Apply(structure, d.data(), c, ones_.data(), product_.data());
-  }
   const double* dl = d.data() + structure.num_pose_scalars() + plan.first_step;
   double sum = 0.0;
-  for (std::size_t lane = 0; lane < h_.size(); ++lane) {
-    sum += dl[lane] * (2.0 * (b_[lane] - product_[lane]) + h_[lane] * dl[lane]);
+  Chunk* chunk = &chunks_.front();
+  for (std::size_t g = 0; g < plan.groups.size(); ++g) {
+    const LandmarkGroup& group = plan.groups[g];
+    FillTwists(structure, d.data(), static_cast<int>(g), chunk);
+    kernels::Kernels().twist_transpose_product(&groups_[g], chunk->twists.data(),
+                                               chunk->product.data());
+    for (std::int32_t l = 0; l < group.lanes; ++l) {
+      const std::size_t lane = Index(group.lane_begin + l);
+      sum += dl[lane] * (2.0 * chunk->product[Index(l)] + h_[lane] * dl[lane]);
+    }
   }
   return sum;
 }

@@ -1,0 +1,362 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linear/twist_terms.h"
+
+#include <algorithm>
+
+#include "glissade/lie/quaternion.h"
+#include "glissade/vertices/pose.h"
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// Values of so many edges stay in the first-level cache while they are used.
+constexpr std::int32_t kMaxSegment = 64;
+/// Residual, and Jacobians by the landmark and by the target.
+constexpr int kColumns = 8;
+
+void Copy(const Matrix3& R, double* out) {
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c)
+      out[3 * r + c] = R(r, c);
+  }
+}
+
+}  // namespace
+
+void TwistTerms::Pack(const Structure& structure, const Graph& graph) {
+  if (analysis_ == structure.analysis() && weights_version_ == graph.weights_version()) return;
+  analysis_ = structure.analysis();
+  weights_version_ = graph.weights_version();
+  const LandmarkPlan& plan = structure.groups();
+  chunks_.resize(std::max(chunks_.size(), Index(structure.num_chunks())));
+  maps_.assign(structure.poses().size(), {});
+  projected_maps_.resize(structure.poses().size());
+  segments_.clear();
+  segment_begin_.assign(1, 0);
+  weights_.Clear();
+  groups_.clear();
+  targets_.clear();
+  max_values_ = max_work_ = max_rows_ = 0;
+  const std::size_t lanes = plan.landmark_of_lane.size();
+  for (auto* array : {&b_, &h_, &scale_, &beta_, &inverse_h_})
+    array->assign(lanes, 0.0);
+  force_.assign(6 * Index(plan.pair_lanes), 0.0);
+  std::size_t max_pairs = 0;
+  for (const LandmarkPair& pair : plan.pairs)
+    targets_.push_back({pair.lanes, force_.data() + 6 * std::int64_t{pair.begin}});
+  for (const LandmarkGroup& group : plan.groups) {
+    const std::int32_t pairs = group.pair_end - group.pair_begin;
+    max_pairs = std::max(max_pairs, Index(pairs));
+    groups_.push_back(
+        {group.lanes, pairs, targets_.data() + group.pair_begin, b_.data() + group.lane_begin});
+    for (std::int32_t r = group.run_begin; r < group.run_end; ++r)
+      PackRun(plan, graph, r);
+    segment_begin_.push_back(static_cast<std::int32_t>(segments_.size()));
+  }
+  if (plan.empty()) return;
+  for (Chunk& chunk : chunks_) {
+    chunk.values.resize(std::max(chunk.values.size(), max_values_));
+    chunk.work.resize(std::max(chunk.work.size(), max_work_));
+    chunk.states.resize(kMaxSegment);
+    chunk.points.assign(kMaxSegment, nullptr);
+    chunk.weights.Resize(kMaxSegment, max_rows_);
+    if (chunk.redone.size() < graph.edge_pools().size())
+      chunk.redone.resize(graph.edge_pools().size(), 0);
+    chunk.pairs.resize(std::max(chunk.pairs.size(), max_pairs));
+  }
+}
+
+void TwistTerms::PackRun(const LandmarkPlan& plan, const Graph& graph, std::int32_t index) {
+  const LandmarkRun& run = plan.runs[Index(index)];
+  const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
+  const int rows = pool.residual_dim(0);
+  for (std::int32_t first = 0; first < run.lanes; first += kMaxSegment) {
+    Segment segment;
+    segment.run = index;
+    segment.first = first;
+    segment.lanes = std::min(kMaxSegment, run.lanes - first);
+    // Padding costs nothing in packs; and a run is then a whole number of them.
+    segment.count =
+        pool.evaluates_in_packs() ? segment.lanes : std::min(segment.lanes, run.used - first);
+    const double* mask = plan.mask_of_slot.data() + run.begin + first;
+    segment.masked = std::find(mask, mask + segment.count, 0.0) != mask + segment.count;
+    segment.weights = weights_.Add(pool, plan.edge_of_slot.data() + run.begin + first, rows,
+                                   segment.count, segment.lanes);
+    segments_.push_back(segment);
+  }
+  max_rows_ = std::max(max_rows_, Index(rows));
+  max_values_ = std::max(max_values_, Index(rows * kColumns) * Index(kMaxSegment));
+  // One edge's residual and all of its Jacobians.
+  max_work_ = std::max(max_work_, Index(rows * (kColumns + 6)));
+}
+
+std::int64_t TwistTerms::Edges(const Structure& structure, int pool) const {
+  const LandmarkPlan& plan = structure.groups();
+  std::int64_t edges = 0;
+  for (const LandmarkRun& run : plan.runs) {
+    if (run.pool != pool) continue;
+    const double* mask = plan.mask_of_slot.data() + run.begin;
+    edges += std::count(mask, mask + run.lanes, 1.0);
+  }
+  return edges;
+}
+
+std::int64_t TwistTerms::Lanes(const Structure& structure, int pool) const {
+  std::int64_t lanes = 0;
+  for (const LandmarkRun& run : structure.groups().runs)
+    lanes += run.pool == pool ? run.lanes : 0;
+  return lanes;
+}
+
+std::int64_t TwistTerms::Redone(int pool) const {
+  std::int64_t redone = 0;
+  for (const Chunk& chunk : chunks_)
+    redone += Index(pool) < chunk.redone.size() ? chunk.redone[Index(pool)] : 0;
+  return redone;
+}
+
+void TwistTerms::ForgetRedone() {
+  for (Chunk& chunk : chunks_)
+    chunk.redone.assign(chunk.redone.size(), 0);
+}
+
+void TwistTerms::Update(const Structure& structure, const Graph& graph) {
+  const LandmarkPlan& plan = structure.groups();
+  if (plan.empty()) return;
+  const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
+  const LinearizationTable& table = poses.first_estimates();
+  const bool full = graph.first_estimates() == FirstEstimates::kFull && !table.empty();
+  const auto lin = [&](int pose) {
+    const double* at = full ? table.At(pose) : nullptr;
+    return at != nullptr ? at : poses.Data(pose);
+  };
+  // Moments are taken about a point among the poses, so that they do not grow with the distance
+  // from the world's origin (LandmarkPlan::kMaxReach).
+  const double* o = lin(plan.center);
+  frames_.resize(Index(poses.size()));
+  for (int k = 0; k < poses.size(); ++k) {
+    kernels::TwistFrame& frame = frames_[Index(k)];
+    const double *x = poses.Data(k), *x_lin = lin(k);
+    const Matrix3 R = RotationMatrix(x_lin + 3);
+    Copy(R, frame.R);
+    for (int i = 0; i < 3; ++i)
+      frame.p[i] = x_lin[i] - o[i];
+    frame.turned = x != x_lin && !std::equal(x + 3, x + 7, x_lin + 3);
+    if (frame.turned) Copy(R * RotationMatrix(x + 3).transpose(), frame.turn);
+  }
+  for (std::size_t k = 0; k < maps_.size(); ++k) {
+    const PoseBlock& block = structure.poses()[k];
+    if (block.pool != poses.id()) continue;
+    const kernels::TwistFrame& frame = frames_[Index(block.index)];
+    const double *R = frame.R, *p = frame.p;
+    double* T = maps_[k].T;
+    for (int c = 0; c < 3; ++c) {
+      T[8 * c + c] = 1.0;
+      T[3 + c] = p[1] * R[6 + c] - p[2] * R[3 + c];
+      T[8 + 3 + c] = p[2] * R[c] - p[0] * R[6 + c];
+      T[16 + 3 + c] = p[0] * R[3 + c] - p[1] * R[c];
+      for (int r = 0; r < 3; ++r)
+        T[8 * (3 + r) + 3 + c] = R[3 * r + c];
+    }
+  }
+}
+
+TwistTerms::Values TwistTerms::Place(const Segment& segment, bool has_target, bool jacobians,
+                                     Chunk* chunk) {
+  Values values;
+  const std::int64_t size = std::int64_t{segment.weights.rows} * segment.lanes;
+  values.r = chunk->values.data();
+  values.count = size;
+  if (!jacobians) return values;
+  values.J_l = values.r + size;
+  if (has_target) values.J = values.J_l + size;
+  values.count = (has_target ? kColumns : 2) * size;
+  return values;
+}
+
+int TwistTerms::Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
+                         const Segment& segment, const Values& values, Chunk* chunk) {
+  const LandmarkRun& run = plan.runs[Index(segment.run)];
+  const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
+  const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
+  const VertexPool<VertexInverseDepth>& depths = *graph.Pool<VertexInverseDepth>();
+  const std::int32_t* landmark = plan.landmark_of_slot.data() + run.begin + segment.first;
+  for (std::int32_t s = 0; s < segment.count; ++s)
+    chunk->states[Index(s)] = depths.Data(landmark[s]);
+  const double* const none[3] = {nullptr, nullptr, nullptr};
+  const double* states[3] = {nullptr, nullptr, nullptr};
+  double* J[3] = {values.J_l, nullptr, nullptr};
+  if (run.pair >= 0) {
+    states[0] = poses.Data(host.pose);
+    states[1] = poses.Data(plan.pairs[Index(run.pair)].target.pose);
+    J[0] = nullptr;
+    J[1] = values.J;
+    J[2] = values.J_l;
+  }
+  LaneRun lanes;
+  lanes.count = segment.count;
+  lanes.lanes = segment.lanes;
+  lanes.edges = plan.edge_of_slot.data() + run.begin + segment.first;
+  lanes.landmark = run.pair >= 0 ? 2 : 0;
+  lanes.states = states;
+  lanes.points = none;
+  lanes.landmark_states = chunk->states.data();
+  lanes.landmark_points = chunk->points.data();
+  lanes.work = chunk->work.data();
+  const int failed = pool.EvaluateRun(
+      lanes,
+      {values.r, values.J_l != nullptr ? J : nullptr, chunk->redone.data() + Index(run.pool)},
+      FirstEstimates::kOff);
+  if (failed >= 0 || segment.count == segment.lanes) return failed;
+  for (std::int64_t k = 0; k < values.count; k += segment.lanes)
+    std::fill(values.r + k + segment.count, values.r + k + segment.lanes, 0.0);
+  return -1;
+}
+
+bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, int index,
+                                NormalEquationsSink* sink, Chunk* chunk, std::int32_t* pool) {
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  const LandmarkGroup& group = plan.groups[Index(index)];
+  std::fill_n(h_.begin() + group.lane_begin, group.lanes, 0.0);
+  std::fill_n(b_.begin() + group.lane_begin, group.lanes, 0.0);
+  for (std::int32_t p = group.pair_begin; p < group.pair_end; ++p) {
+    const LandmarkPair& pair = plan.pairs[Index(p)];
+    std::fill_n(force_.begin() + 6 * std::int64_t{pair.begin}, 6 * pair.lanes, 0.0);
+    chunk->pairs[Index(p - group.pair_begin)] = {};
+  }
+  for (std::int32_t k = segment_begin_[Index(index)]; k < segment_begin_[Index(index) + 1]; ++k) {
+    const Segment& segment = segments_[Index(k)];
+    const LandmarkRun& run = plan.runs[Index(segment.run)];
+    const EdgePoolBase& edges = *graph.edge_pools()[Index(run.pool)];
+    const std::int32_t* edge = plan.edge_of_slot.data() + run.begin + segment.first;
+    const Values values = Place(segment, run.pair >= 0, true, chunk);
+    int failed = Evaluate(plan, graph, group.host, segment, values, chunk);
+    LaneWeights::Factors factors;
+    if (failed < 0) {
+      const LaneMatrix J[2] = {{values.J_l, 1}, {values.J, 6}};
+      failed = weights_.Weigh(
+          segment.weights, edges, edge,
+          segment.masked ? plan.mask_of_slot.data() + run.begin + segment.first : nullptr, values.r,
+          {J, run.pair >= 0 ? 2u : 1u}, &chunk->weights, &sink->cost, &factors);
+    }
+    if (failed < 0 && kernel.lanes_finite(values.count, values.r) == 0)
+      failed = FindNotFiniteLane(segment.lanes, values.count, values.r);
+    if (failed >= 0) {
+      *pool = run.pool;
+      sink->failed_edge = edge[failed];
+      return false;
+    }
+    const std::int32_t lane = group.lane_begin + segment.first;
+    kernels::TwistRun sums{};
+    sums.rows = segment.weights.rows;
+    sums.lanes = segment.lanes;
+    sums.r = values.r;
+    sums.J_l = values.J_l;
+    sums.scale = factors.scale;
+    sums.weight = factors.weight;
+    sums.h = h_.data() + lane;
+    sums.b = b_.data() + lane;
+    if (run.pair >= 0) {
+      const LandmarkPair& pair = plan.pairs[Index(run.pair)];
+      TwistSum& sum = chunk->pairs[Index(run.pair - group.pair_begin)];
+      sums.J = values.J;
+      sums.frame = &frames_[Index(pair.target.pose)];
+      sums.force = force_.data() + 6 * std::int64_t{pair.begin} + segment.first;
+      sums.force_lanes = pair.lanes;
+      sums.H = sum.H;
+      sums.g = sum.g;
+    }
+    kernel.twist_sums(&sums);
+  }
+  return true;
+}
+
+// Sums of pairs: those of two frames go to H_pp, those of one to the frames'.
+void TwistTerms::AddGroup(const Structure& structure, int index, double* h_pp, Chunk* chunk) {
+  const LandmarkPlan& plan = structure.groups();
+  const LandmarkGroup& group = plan.groups[Index(index)];
+  const std::int32_t h = group.host.block;
+  TwistSum at_host;
+  for (std::int32_t p = group.pair_begin; p < group.pair_end; ++p) {
+    const LandmarkPair& pair = plan.pairs[Index(p)];
+    const TwistSum& sum = chunk->pairs[Index(p - group.pair_begin)];
+    at_host.Add(sum, -1.0);
+    const std::int32_t t = pair.target.block;
+    if (t < 0) continue;
+    chunk->frames[Index(t)].Add(sum, 1.0);
+    if (pair.h_block < 0) continue;
+    const std::int32_t row = pair.h_transposed ? t : h, col = pair.h_transposed ? h : t;
+    kernels::Kernels().map_block(-1.0, maps_[Index(row)].T, sum.H, 6, maps_[Index(col)].T,
+                                 h_pp + pair.h_block, 6, 1);
+  }
+  if (h >= 0) chunk->frames[Index(h)].Add(at_host, 1.0);
+}
+
+void TwistTerms::AddFrames(const Structure& structure, const Chunk& chunk, double* h_pp,
+                           double* b_p) const {
+  for (std::size_t k = 0; k < chunk.frames.size(); ++k) {
+    const TwistSum& frame = chunk.frames[k];
+    if (!frame.used) continue;
+    const double* T = maps_[k].T;
+    const PoseBlock& pose = structure.poses()[k];
+    kernels::Kernels().map_block(1.0, T, frame.H, 6, T, h_pp + pose.h_diagonal, 6, 1);
+    // b = -J'r in the tangent: T' of the twist's.
+    for (int c = 0; c < 6; ++c) {
+      double sum = 0.0;
+      for (int i = 0; i < 6; ++i)
+        sum += T[8 * i + c] * frame.g[i];
+      b_p[pose.offset + c] += sum;
+    }
+  }
+}
+
+bool TwistTerms::Linearize(const Structure& structure, const Graph& graph, int index,
+                           NormalEquationsSink* sink, std::int32_t* pool) {
+  const LandmarkPlan& plan = structure.groups();
+  if (plan.empty()) return true;
+  Chunk* chunk = &chunks_[Index(index)];
+  // Diagonal blocks and right-hand sides are summed as twists and mapped once per frame.
+  chunk->frames.assign(structure.poses().size(), {});
+  for (int g = plan.chunk_begin[Index(index)]; g < plan.chunk_begin[Index(index) + 1]; ++g) {
+    if (!LinearizeGroup(plan, graph, g, sink, chunk, pool)) return false;
+    AddGroup(structure, g, sink->h_pp, chunk);
+  }
+  AddFrames(structure, *chunk, sink->h_pp, sink->b_p);
+  return true;
+}
+
+bool TwistTerms::Cost(const Structure& structure, const Graph& graph, int index,
+                      NormalEquationsSink* sink, std::int32_t* pool) {
+  const LandmarkPlan& plan = structure.groups();
+  if (plan.empty()) return true;
+  Chunk* chunk = &chunks_[Index(index)];
+  for (int g = plan.chunk_begin[Index(index)]; g < plan.chunk_begin[Index(index) + 1]; ++g) {
+    for (std::int32_t k = segment_begin_[Index(g)]; k < segment_begin_[Index(g) + 1]; ++k) {
+      const Segment& segment = segments_[Index(k)];
+      const LandmarkRun& run = plan.runs[Index(segment.run)];
+      const std::int32_t* edge = plan.edge_of_slot.data() + run.begin + segment.first;
+      const Values values = Place(segment, run.pair >= 0, false, chunk);
+      int failed = Evaluate(plan, graph, plan.groups[Index(g)].host, segment, values, chunk);
+      LaneWeights::Factors factors;
+      if (failed < 0) {
+        failed = weights_.Weigh(
+            segment.weights, *graph.edge_pools()[Index(run.pool)], edge,
+            segment.masked ? plan.mask_of_slot.data() + run.begin + segment.first : nullptr,
+            values.r, {}, &chunk->weights, &sink->cost, &factors);
+      }
+      if (failed < 0) continue;
+      *pool = run.pool;
+      sink->failed_edge = edge[failed];
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace glissade

@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "glissade/linear/normal_equations.h"
+#include "kernels/kernels.h"
+#include "linear/lane_weights.h"
+#include "linear/schur_storage.h"
+
+namespace glissade {
+
+/// The landmarks of a LandmarkPlan, from residuals to the Schur complement and back.
+///
+/// Edges of any type are evaluated in lanes; of their Jacobians the landmark's and the target's are
+/// taken. Poses are linearized as twists about the position o of the plan's center, in which one
+/// 6-vector per residual serves host and target (kernels/twists.h); sums over landmarks are mapped
+/// to the public tangent block by block, with xi = T [dp; dtheta], T = [I, [p - o]x R; 0, R]. With
+/// first estimates in full, p and R are those of x_lin: the residual's change by the relative pose
+/// stays that at x.
+class TwistTerms {
+ public:
+  /// Weights and losses as arrays, and room for all values; once per analysis, and where weights
+  /// changed.
+  void Pack(const Structure& structure, const Graph& graph);
+
+  /// Poses and maps at the graph's present values, for Linearize. Not for Cost: after a rejected
+  /// step what is eliminated once more is still the old linearization.
+  void Update(const Structure& structure, const Graph& graph);
+  /// Adds a chunk's part of H_pp, b_p and cost; h and b_l of its lanes are kept here. False where
+  /// an edge has no finite value: *pool and sink->failed_edge tell which.
+  bool Linearize(const Structure& structure, const Graph& graph, int chunk,
+                 NormalEquationsSink* sink, std::int32_t* pool);
+  /// The same, cost only.
+  bool Cost(const Structure& structure, const Graph& graph, int chunk, NormalEquationsSink* sink,
+            std::int32_t* pool);
+  /// H_ll and b_l per lane.
+  [[nodiscard]] const std::vector<double>& h() const { return h_; }
+  [[nodiscard]] const std::vector<double>& b() const { return b_; }
+
+  /// Of all runs of a pool: edges, and lanes with padding.
+  [[nodiscard]] std::int64_t Edges(const Structure& structure, int pool) const;
+  [[nodiscard]] std::int64_t Lanes(const Structure& structure, int pool) const;
+  /// Packs of a pool's edges that were evaluated once more, one by one, because lanes disagreed
+  /// about a condition; since ForgetRedone().
+  [[nodiscard]] std::int64_t Redone(int pool) const;
+  void ForgetRedone();
+
+  /// The chunk's part of the Schur complement, in twists. Returns the lane of a landmark that
+  /// cannot be eliminated, or -1.
+  int Eliminate(const Structure& structure, const DampingTerm& damping, int chunk);
+  /// Takes the sum over chunks to the tangent and adds it to S and b_s; places: of the plan's
+  /// blocks in S. P projects partly fixed poses.
+  void AddReduced(const Structure& structure, const Graph& graph, ThreadPool* threads,
+                  const std::vector<BlockPlace>& places, double* S, double* b_s);
+  /// y -= W H_ll^-1 W' x of a chunk, after AddReduced.
+  void SubtractProduct(const Structure& structure, const double* x, int chunk, double* y);
+  void BackSubstitute(const Structure& structure, const std::vector<double>& dx, int chunk,
+                      double* step);
+  /// sum over lanes of dl (2 W'dp + h dl): these landmarks' part of d'H d. T P of the last
+  /// Linearize.
+  double QuadraticForm(const Structure& structure, const Graph& graph,
+                       const std::vector<double>& d);
+
+ private:
+  /// A part of a LandmarkRun whose values stay in the first-level cache.
+  struct Segment {
+    std::int32_t run = 0;
+    std::int32_t first = 0;  ///< lane of the group
+    std::int32_t lanes = 0;
+    std::int32_t count = 0;  ///< lanes that are evaluated
+    bool masked = false;     ///< some of these repeat others
+    LaneWeights::Run weights;
+  };
+  /// 6 x 6 row-major with rows of 8.
+  struct Map {
+    double T[48] = {};
+  };
+  /// A sum of [f; q][f; q]' and of r [f; q].
+  struct TwistSum {
+    double H[36] = {};
+    double g[6] = {};
+    bool used = false;
+    void Add(const TwistSum& other, double sign_of_g) {
+      for (int i = 0; i < 36; ++i)
+        H[i] += other.H[i];
+      for (int i = 0; i < 6; ++i)
+        g[i] += sign_of_g * other.g[i];
+      used = true;
+    }
+  };
+  struct Chunk {
+    std::vector<double> values, work;
+    std::vector<const double*> states, points;  // of the landmarks of a segment; points: null
+    LaneWeights::Scratch weights;
+    std::vector<std::int64_t> redone;  // by pool
+    std::vector<TwistSum> pairs, frames;
+    std::vector<double> panel, reduced, blocks, twist_rhs, twists, product, sums;
+  };
+  /// Where the values of a segment are.
+  struct Values {
+    double* r = nullptr;
+    double* J_l = nullptr;
+    double* J = nullptr;
+    std::int64_t count = 0;  ///< numbers, from r on
+  };
+
+  void PackRun(const LandmarkPlan& plan, const Graph& graph, std::int32_t run);
+  bool LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, int group,
+                      NormalEquationsSink* sink, Chunk* chunk, std::int32_t* pool);
+  void AddGroup(const Structure& structure, int group, double* h_pp, Chunk* chunk);
+  void AddFrames(const Structure& structure, const Chunk& chunk, double* h_pp, double* b_p) const;
+  static Values Place(const Segment& segment, bool has_target, bool jacobians, Chunk* chunk);
+  /// Raw values; returns the first lane without one, or -1.
+  static int Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
+                      const Segment& segment, const Values& values, Chunk* chunk);
+  void ProjectMaps(const Structure& structure, const Graph& graph);
+  void AddRhs(const Structure& structure, std::int32_t block, double* b_s) const;
+  void FillTwists(const Structure& structure, const double* x, int group, Chunk* chunk) const;
+
+  std::uint64_t analysis_ = 0;
+  std::uint64_t weights_version_ = 0;
+  std::vector<Segment> segments_;
+  std::vector<std::int32_t> segment_begin_;  // by group
+  LaneWeights weights_;
+  std::vector<kernels::TwistGroup> groups_;
+  std::vector<kernels::TwistTarget> targets_;
+  std::vector<double> force_, h_, b_, scale_, beta_, inverse_h_;
+  std::size_t max_values_ = 0, max_work_ = 0, max_rows_ = 0;
+  std::vector<kernels::TwistFrame> frames_;  // by dense index of the pose
+  std::vector<Map> maps_;                    // T per pose block
+  std::vector<Map> projected_maps_;          // T P
+  std::vector<Chunk> chunks_;
+};
+
+}  // namespace glissade

@@ -1,0 +1,328 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/structure/landmark_plan.h"
+
+#include <algorithm>
+
+#include "glissade/structure/structure.h"
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+constexpr std::int32_t kLaneBlock = LandmarkPlan::kLaneBlock;
+
+std::int32_t RoundUp(std::int32_t lanes) {
+  return (lanes + kLaneBlock - 1) / kLaneBlock * kLaneBlock;
+}
+
+}  // namespace
+
+// What edges of each type say of their landmark: that it may be in a group, or not.
+void Structure::ClassifyPools(const Graph& graph) {
+  const VertexPoolBase* poses = graph.PoolOf(&kTypeInfo<VertexPose>);
+  const VertexPoolBase* depths = graph.PoolOf(&kTypeInfo<VertexInverseDepth>);
+  pool_kind_.assign(num_pools_, PoolKind::kOther);
+  for (std::size_t p = 0; p < num_pools_; ++p) {
+    const EdgePoolBase& pool = *graph.edge_pools()[p];
+    const int arity = pool.fixed_arity();
+    if (pool.size() == 0 || depths == nullptr) continue;
+    if (arity == 1 && pool.vertex_pool(0, 0) == depths) {
+      pool_kind_[p] = PoolKind::kLandmarkOnly;
+    } else if (arity == 3 && pool.vertex_pool(0, 0) == poses && pool.vertex_pool(0, 1) == poses &&
+               pool.vertex_pool(0, 2) == depths &&
+               pool.traits().first_estimate_rule == FirstEstimateRule::kRelativePose &&
+               (pool.traits().no_first_estimate & 3u) == 0) {
+      pool_kind_[p] = PoolKind::kHostAndTarget;
+    }
+  }
+}
+
+// The host of all edges of a landmark, -1 if it has none or may not be in a group.
+std::int32_t Structure::HostOf(std::size_t landmark) const {
+  std::int32_t host = -1;
+  for (std::int32_t k = landmark_edges_begin_[landmark]; k < landmark_edges_begin_[landmark + 1];
+       ++k) {
+    const EdgeRef ref = landmark_edges_[Index(k)];
+    const PoolKind kind = pool_kind_[Index(ref.pool)];
+    if (kind == PoolKind::kLandmarkOnly) continue;
+    if (kind == PoolKind::kOther) return -1;
+    const std::int32_t* vertices = flat_[Index(ref.pool)].index.data() + 3 * std::int64_t{ref.edge};
+    if (host >= 0 && vertices[0] != host) return -1;
+    host = vertices[0];
+    if (vertices[1] == host) return -1;
+  }
+  return host;
+}
+
+// Finds the landmarks that qualify by what their edges are like, whatever the states.
+void Structure::FindGroups(const Graph& graph) {
+  grouped_.clear();
+  ClassifyPools(graph);
+  if (std::find(pool_kind_.begin(), pool_kind_.end(), PoolKind::kHostAndTarget) ==
+      pool_kind_.end()) {
+    return;
+  }
+  const std::vector<std::int32_t>& block_of_pose = variable_[Index(graph.Pool<VertexPose>()->id())];
+  group_of_host_.assign(block_of_pose.size(), -1);
+  auto& groups = plan_.groups;
+  for (std::size_t l = 0; l < landmarks_.size(); ++l) {
+    const std::int32_t host = HostOf(l);
+    if (host < 0) continue;
+    std::int32_t& group = group_of_host_[Index(host)];
+    if (group < 0) {
+      group = static_cast<std::int32_t>(groups.size());
+      LandmarkGroup added;
+      added.host = {host, std::max(block_of_pose[Index(host)], -1)};
+      groups.push_back(added);
+    }
+    grouped_.push_back({group, landmark_edges_begin_[l + 1] - landmark_edges_begin_[l],
+                        static_cast<std::int32_t>(l)});
+  }
+  // By group, then falling number of edges; the landmark's number settles ties.
+  std::sort(grouped_.begin(), grouped_.end(),
+            [](const GroupedLandmark& a, const GroupedLandmark& b) {
+              if (a.group != b.group) return a.group < b.group;
+              return a.length != b.length ? a.length > b.length : a.landmark < b.landmark;
+            });
+}
+
+void Structure::PlanGroups(const Graph& graph, bool allow) {
+  plan_.Clear();
+  if (!allow) return;
+  FindGroups(graph);
+  if (grouped_.empty()) return;
+  ChooseCenter(graph);
+  LeaveOutFarLandmarks(graph);
+  if (grouped_.empty()) return;
+  plan_.num_landmarks = static_cast<int>(grouped_.size());
+  pair_of_pose_.assign(Index(graph.Pool<VertexPose>()->size()), -1);
+  std::size_t next = 0;
+  for (std::size_t g = 0; g < plan_.groups.size(); ++g) {
+    const std::size_t begin = next;
+    while (next < grouped_.size() && grouped_[next].group == static_cast<std::int32_t>(g))
+      ++next;
+    PlanGroup(graph, &plan_.groups[g], begin, next);
+  }
+  plan_.reach = Reach(graph);
+  RemoveGroupedFromLandmarks();
+}
+
+// Landmarks [begin, end) of grouped_ are the group's.
+void Structure::PlanGroup(const Graph& graph, LandmarkGroup* group, std::size_t begin,
+                          std::size_t end) {
+  group->lane_begin = static_cast<std::int32_t>(plan_.landmark_of_lane.size());
+  group->lanes = RoundUp(static_cast<std::int32_t>(end - begin));
+  group->pair_begin = static_cast<std::int32_t>(plan_.pairs.size());
+  group->run_begin = static_cast<std::int32_t>(plan_.runs.size());
+  first_run_.assign(1, -1);  // of the landmarks alone, then of each pair of the group
+  next_run_.clear();
+  first_edge_.clear();
+  run_of_edge_.clear();
+  for (std::size_t k = begin; k < end; ++k) {
+    plan_.landmark_of_lane.push_back(landmarks_[Index(grouped_[k].landmark)].index);
+    const auto lane = static_cast<std::int32_t>(k - begin);
+    ForEachEdgeOf(grouped_[k].landmark, [&](const EdgeRef& ref) {
+      run_of_edge_.push_back(FindRun(graph, *group, ref, lane));
+    });
+  }
+  plan_.landmark_of_lane.resize(Index(group->lane_begin + group->lanes), -1);
+  group->pair_end = static_cast<std::int32_t>(plan_.pairs.size());
+  group->run_end = static_cast<std::int32_t>(plan_.runs.size());
+  LayOutGroup(group);
+  const std::int32_t* run = run_of_edge_.data();
+  for (std::size_t k = begin; k < end; ++k) {
+    ForEachEdgeOf(grouped_[k].landmark, [&](const EdgeRef& ref) {
+      const std::size_t slot = Index(plan_.runs[Index(*run++)].begin) + (k - begin);
+      plan_.edge_of_slot[slot] = ref.edge;
+      plan_.landmark_of_slot[slot] = plan_.landmark_of_lane[Index(group->lane_begin) + k - begin];
+      plan_.mask_of_slot[slot] = 1.0;
+    });
+  }
+  for (std::int32_t r = group->run_begin; r < group->run_end; ++r)
+    FillHoles(plan_.runs[Index(r)]);
+  for (std::int32_t p = group->pair_begin; p < group->pair_end; ++p)
+    pair_of_pose_[Index(plan_.pairs[Index(p)].target.pose)] = -1;
+}
+
+// The run that an edge of the landmark in a lane belongs to; new ones are added.
+std::int32_t Structure::FindRun(const Graph& graph, const LandmarkGroup& group, const EdgeRef& ref,
+                                std::int32_t lane) {
+  std::int32_t pair = -1;
+  if (pool_kind_[Index(ref.pool)] == PoolKind::kHostAndTarget) {
+    const FlatEdges& flat = flat_[Index(ref.pool)];
+    const std::size_t at = 3 * Index(ref.edge) + 1;
+    const std::int32_t pose = flat.index[at];
+    if (pair_of_pose_[Index(pose)] < 0) {
+      pair_of_pose_[Index(pose)] = static_cast<std::int32_t>(plan_.pairs.size());
+      LandmarkPair added;
+      added.target = {pose, std::max(flat.variable[at], -1)};
+      plan_.pairs.push_back(added);
+      first_run_.push_back(-1);
+    }
+    pair = pair_of_pose_[Index(pose)];
+    plan_.pairs[Index(pair)].lanes = lane + 1;
+  }
+  std::int32_t& first = first_run_[Index(pair < 0 ? 0 : pair - group.pair_begin + 1)];
+  const EdgePoolBase& pool = *graph.edge_pools()[Index(ref.pool)];
+  for (std::int32_t r = first; r >= 0; r = next_run_[Index(r - group.run_begin)]) {
+    LandmarkRun& run = plan_.runs[Index(r)];
+    // A lane has one edge in a run: duplicates that were allowed are runs of their own.
+    if (run.pool != ref.pool || run.used > lane ||
+        !pool.SameInRun(first_edge_[Index(r - group.run_begin)], ref.edge)) {
+      continue;
+    }
+    run.has_holes = run.has_holes || run.used < lane;
+    run.used = lane + 1;
+    return r;
+  }
+  const auto added = static_cast<std::int32_t>(plan_.runs.size());
+  LandmarkRun run;
+  run.pool = ref.pool;
+  run.pair = pair;
+  run.used = lane + 1;
+  run.has_holes = lane > 0;
+  plan_.runs.push_back(run);
+  first_edge_.push_back(ref.edge);
+  next_run_.push_back(first);
+  first = added;
+  return added;
+}
+
+// Sorts the targets by falling number of lanes, and gives runs and pairs room.
+void Structure::LayOutGroup(LandmarkGroup* group) {
+  const auto begin = plan_.pairs.begin() + group->pair_begin;
+  std::sort(begin, plan_.pairs.end(), [](const LandmarkPair& a, const LandmarkPair& b) {
+    return a.lanes != b.lanes ? a.lanes > b.lanes : a.target.pose < b.target.pose;
+  });
+  // Where each pair was is where its pose still says.
+  moved_pair_.resize(Index(group->pair_end - group->pair_begin));
+  for (std::int32_t p = group->pair_begin; p < group->pair_end; ++p) {
+    LandmarkPair& pair = plan_.pairs[Index(p)];
+    moved_pair_[Index(pair_of_pose_[Index(pair.target.pose)] - group->pair_begin)] = p;
+    pair.lanes = RoundUp(pair.lanes);
+    pair.begin = plan_.pair_lanes;
+    plan_.pair_lanes += pair.lanes;
+  }
+  for (std::int32_t r = group->run_begin; r < group->run_end; ++r) {
+    LandmarkRun& run = plan_.runs[Index(r)];
+    if (run.pair >= 0) run.pair = moved_pair_[Index(run.pair - group->pair_begin)];
+    run.lanes = RoundUp(run.used);
+    run.begin = static_cast<std::int32_t>(plan_.edge_of_slot.size());
+    const std::size_t size = plan_.edge_of_slot.size() + Index(run.lanes);
+    plan_.edge_of_slot.resize(size, -1);
+    plan_.landmark_of_slot.resize(size, -1);
+    plan_.mask_of_slot.resize(size, 0.0);
+  }
+}
+
+// Lanes without an edge repeat the one before them, the first ones the first that is there.
+void Structure::FillHoles(const LandmarkRun& run) {
+  if (!run.has_holes && run.used == run.lanes) return;
+  std::int32_t* const edge = plan_.edge_of_slot.data() + run.begin;
+  std::int32_t* const landmark = plan_.landmark_of_slot.data() + run.begin;
+  std::int32_t from = 0;
+  while (edge[from] < 0)
+    ++from;
+  for (std::int32_t lane = 0; lane < run.lanes; ++lane) {
+    if (edge[lane] >= 0 && lane > from) from = lane;
+    edge[lane] = edge[from];
+    landmark[lane] = landmark[from];
+  }
+}
+
+void Structure::RemoveGroupedFromLandmarks() {
+  is_grouped_.assign(landmarks_.size(), 0);
+  for (const GroupedLandmark& grouped : grouped_)
+    is_grouped_[Index(grouped.landmark)] = 1;
+  const std::size_t count = landmarks_.size();
+  std::size_t kept = 0;
+  std::int32_t to = 0;
+  num_landmark_scalars_ = 0;
+  const auto keep = [&](std::size_t bucket) {
+    const std::int32_t begin = landmark_edges_begin_[bucket],
+                       end = landmark_edges_begin_[bucket + 1];
+    for (std::int32_t k = begin; k < end; ++k)
+      landmark_edges_[Index(to + k - begin)] = landmark_edges_[Index(k)];
+    return end - begin;
+  };
+  for (std::size_t l = 0; l < count; ++l) {
+    if (is_grouped_[l] != 0) continue;
+    const std::int32_t edges = keep(l);
+    landmarks_[kept] = landmarks_[l];
+    landmarks_[kept].step = num_landmark_scalars_;
+    num_landmark_scalars_ += landmarks_[l].dim;
+    landmark_edges_begin_[kept++] = to;
+    to += edges;
+  }
+  const std::int32_t without = keep(count);
+  landmark_edges_begin_[kept] = to;
+  landmark_edges_begin_[kept + 1] = to + without;
+  landmark_edges_begin_.resize(kept + 2);
+  landmark_edges_.resize(Index(to + without));
+  landmarks_.resize(kept);
+  plan_.first_step = num_landmark_scalars_;
+  num_landmark_scalars_ += static_cast<int>(plan_.landmark_of_lane.size());
+}
+
+// What the groups contribute to H_pp and S, and who computes them: needs the pose blocks' pairs.
+void Structure::FinishPlan() {
+  chain_of_row_.assign(poses_.size(), -1);
+  next_in_row_.clear();
+  for (LandmarkGroup& group : plan_.groups) {
+    frames_.clear();
+    frames_.push_back(group.host.block);
+    for (std::int32_t p = group.pair_begin; p < group.pair_end; ++p) {
+      LandmarkPair& pair = plan_.pairs[Index(p)];
+      frames_.push_back(pair.target.block);
+      if (group.host.block < 0 || pair.target.block < 0) continue;
+      pair.h_transposed = group.host.block < pair.target.block;
+      pair.h_block = pair.h_transposed ? PairOffset(pair.target.block, group.host.block)
+                                       : PairOffset(group.host.block, pair.target.block);
+    }
+    group.map_begin = static_cast<std::int32_t>(plan_.block_map.size());
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        const std::int32_t a = frames_[i], b = frames_[j];
+        if (a < 0 || b < 0) {
+          plan_.block_map.push_back(LandmarkPlan::kNoBlock);
+        } else {
+          const std::int32_t block = PlanBlock(std::max(a, b), std::min(a, b));
+          plan_.block_map.push_back(a >= b ? block : ~block);
+        }
+      }
+    }
+  }
+  // Chunks: groups shared out evenly by their edges.
+  plan_.chunk_begin.assign(1, 0);
+  const auto total = static_cast<std::int64_t>(plan_.edge_of_slot.size());
+  std::int64_t done = 0;
+  std::size_t g = 0;
+  for (int c = 1; c <= num_chunks_; ++c) {
+    while (g < plan_.groups.size() && done < total * c / num_chunks_) {
+      for (std::int32_t r = plan_.groups[g].run_begin; r < plan_.groups[g].run_end; ++r)
+        done += plan_.runs[Index(r)].lanes;
+      ++g;
+    }
+    plan_.chunk_begin.push_back(c == num_chunks_ ? static_cast<std::int32_t>(plan_.groups.size())
+                                                 : static_cast<std::int32_t>(g));
+  }
+}
+
+std::int32_t Structure::PlanBlock(std::int32_t row, std::int32_t col) {
+  // Blocks of one row are chained: a row has as many as there are frames it shares landmarks with.
+  for (std::int32_t k = chain_of_row_[Index(row)]; k >= 0; k = next_in_row_[Index(k)]) {
+    if (plan_.blocks[Index(k)].col == col) return k;
+  }
+  const auto added = static_cast<std::int32_t>(plan_.blocks.size());
+  plan_.blocks.push_back({row, col});
+  next_in_row_.push_back(chain_of_row_[Index(row)]);
+  chain_of_row_[Index(row)] = added;
+  return added;
+}
+
+}  // namespace glissade
