@@ -142,6 +142,61 @@ TEST(CheckJacobians, ChecksTheFormInPacksToo) {
             std::string::npos);
 }
 
+/// A Jacobian that is the difference of two terms nearly equal, rounded otherwise in packs than in
+/// one edge, or alone than with the others: what contraction to FMA makes of it.
+template <bool kAlone>
+struct EdgeOfDifference {
+  using Vertices = VertexList<VertexVector<1>, VertexVector<1>>;
+  static constexpr int kResidualDim = 1;
+  static constexpr double kSmall = 1.23456789e-6;
+  double measured = 0.0;
+  static constexpr auto kLanes = Fields(&EdgeOfDifference::measured);
+
+  template <class T>
+  bool Evaluate(const View<VertexVector<1>, T>& x, const View<VertexVector<1>, T>& y, const T& at,
+                Vec<T, 1>& r, Mat<T, 1, 1>* d_x, Mat<T, 1, 1>* d_y) const {
+    r[0] = x[0] + T(kSmall) * y[0] - at;
+    if (d_x) *d_x = {{T(1.0)}};
+    if (d_y) {
+      const bool rounds = std::is_same_v<T, double> && (!kAlone || d_x != nullptr);
+      *d_y = {{rounds ? T((1.0 + kSmall) - 1.0) : T(kSmall)}};
+    }
+    return true;
+  }
+};
+
+TEST(CheckJacobians, RoundingOfTermsThatCancelIsNoFault) {
+  constexpr double kSmall = EdgeOfDifference<false>::kSmall;
+  EXPECT_GT(std::abs((1.0 + kSmall) - 1.0 - kSmall), 1e-11 * kSmall);
+  const VertexVector<1> x{{1e-3}}, y{{2.0}};
+  const JacobianCheck packs = CheckJacobians(EdgeOfDifference<false>{}, x, y);
+  EXPECT_TRUE(packs.ok) << packs.message;
+  const JacobianCheck alone = CheckJacobians(EdgeOfDifference<true>{}, x, y);
+  EXPECT_TRUE(alone.ok) << alone.message;
+}
+
+/// A residual whose terms in y cancel: what its differences have is the rounding of the terms.
+struct EdgeOfTermsThatCancel {
+  using Vertices = VertexList<VertexVector<1>, VertexVector<1>>;
+  static constexpr int kResidualDim = 1;
+  double factor = 1.0;
+  bool Evaluate(const VertexVector<1>& x, const VertexVector<1>& y, Vector<1>& r,
+                Jacobian<1, 1>* d_x, Jacobian<1, 1>* d_y) const {
+    r[0] = x.value[0] + factor * y.value[0] - y.value[0];
+    if (d_x) (*d_x)(0, 0) = 1.0;
+    if (d_y) (*d_y)(0, 0) = factor - 1.0;
+    return true;
+  }
+};
+
+TEST(CheckJacobians, RoundingOfAResidualWhoseTermsCancelIsNoFault) {
+  for (const double left : {1e-7, 1e-8, 1e-9, 1e-10}) {
+    const JacobianCheck check = CheckJacobians(EdgeOfTermsThatCancel{1.0 + left},
+                                               VertexVector<1>{{0.7}}, VertexVector<1>{{2.3}});
+    EXPECT_TRUE(check.ok) << check.message;
+  }
+}
+
 /// Central differences at h = 1e-6 alone would miss by more than 1e-7 here.
 struct EdgeLargeNumbers {
   using Vertices = VertexList<VertexVector<1>>;
