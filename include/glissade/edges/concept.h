@@ -43,8 +43,9 @@
 /// Jacobians from dual numbers (base/dual.h), which takes several times as long.
 ///
 /// Members that are not in kLanes must be equal in all edges of a run: SameSensor (or SameInRun,
-/// where the two differ) tells. A condition on T is that of the first lane; if another lane has it
-/// otherwise, the edges are evaluated once more one by one.
+/// where the two differ) tells. One that is inherited does not do for an edge that adds members to
+/// its base. A condition on T is that of the first lane; if another lane has it otherwise, the
+/// edges are evaluated once more one by one.
 ///
 /// Exceptions. What Evaluate throws, or a loss, an iteration callback, a linear solver of yours or
 /// a drop_if, comes out of Solve (or Marginalize, Covariance, ...) on the thread that called it,

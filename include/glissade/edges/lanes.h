@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <tuple>
 #include <type_traits>
@@ -10,6 +11,7 @@
 
 #include "glissade/base/matrix.h"
 #include "glissade/base/small_matrix.h"
+#include "glissade/edges/made_of_doubles.h"
 #include "glissade/edges/residual_only.h"
 #include "glissade/vertices/view.h"
 
@@ -17,8 +19,8 @@
 /// Edges whose Evaluate is a template over its scalar type (edges/concept.h): evaluated in packs.
 namespace glissade {
 
-/// The members of an edge that differ from edge to edge of a run: numbers, and arrays of them
-/// (Vector2 and the like). They come to Evaluate after the vertices, in this order.
+/// The members of an edge that differ from edge to edge of a run: doubles, and what is made of
+/// nothing else (Vector2 and the like). They come to Evaluate after the vertices, in this order.
 template <class E, class... Members>
 constexpr std::tuple<Members E::*...> Fields(Members E::*... members) {
   return {members...};
@@ -34,7 +36,10 @@ inline constexpr bool kLibraryEvaluates = false;
 /// What a member named in kLanes is to Evaluate.
 template <class T, class Member>
 struct LaneOf {
-  static_assert(sizeof(Member) % sizeof(double) == 0, "members in kLanes are made of doubles");
+  static_assert(
+      kMadeOfDoubles<Member>,
+      "members in kLanes are double, arrays of double, Vector<N> and the like, or structs of "
+      "these and nothing else");
   static constexpr int kSize = sizeof(Member) / sizeof(double);
   using Type = Vec<T, kSize>;
 };
@@ -90,13 +95,23 @@ inline constexpr bool kIsResidualOnly = [] {
          kCanEvaluateResidual<E, typename E::Vertices, Lanes>;
 }();
 
+/// The K-th of kLanes. Nothing that runs names E::kLanes itself: what refers to it makes a symbol
+/// of it in every unit.
+template <class E, std::size_t K>
+consteval auto LaneMember() {
+  return std::get<K>(E::kLanes);
+}
+template <class E>
+using LaneIndices =
+    std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<decltype(E::kLanes)>>>;
+
 /// Whether kLanes names all there is in an edge.
 template <class E>
-inline constexpr bool kAllInLanes = std::apply(
-    [](auto... member) {
-      return std::is_empty_v<E> || (sizeof(std::declval<E&>().*member) + ... + 0) == sizeof(E);
-    },
-    E::kLanes);
+inline constexpr bool kAllInLanes = []<std::size_t... K>(std::index_sequence<K...>) {
+  return std::is_empty_v<E> ||
+         (sizeof(std::declval<E&>().*LaneMember<E, K>()) + ... + 0) == sizeof(E);
+}
+(LaneIndices<E>{});
 
 template <class E, class Member, class Class>
 typename LaneOf<double, Member>::Type LaneValue(const E& edge, Member Class::*member) {
@@ -128,19 +143,19 @@ bool EvaluateInDouble(const E& edge, const std::tuple<const V&...>& vertices,
     if constexpr (kIsResidualOnly<E>) {
       using Evaluator =
           DualEvaluator<E, double, VertexList<V...>,
-                        std::remove_cvref_t<decltype(LaneValue(edge, std::get<K>(E::kLanes)))>...>;
+                        std::remove_cvref_t<decltype(LaneValue(edge, LaneMember<E, K>()))>...>;
       const std::tuple<View<V, double>...> views(ViewOfState<V>(std::get<I>(vertices).Data())...);
       std::tuple<ViewTangent<V, double>...> tangents;
       if (((jacobians != nullptr) || ...)) {
         (FindViewTangent<V>(std::get<I>(vertices).Data(), &std::get<I>(tangents)), ...);
       }
       if (!Evaluator::Evaluate(edge, views, tangents,
-                               std::make_tuple(LaneValue(edge, std::get<K>(E::kLanes))...), out,
+                               std::make_tuple(LaneValue(edge, LaneMember<E, K>())...), out,
                                (jacobians != nullptr ? &std::get<I>(blocks) : nullptr)...)) {
         return false;
       }
     } else if (!edge.Evaluate(ViewOfState<V>(std::get<I>(vertices).Data())...,
-                              LaneValue(edge, std::get<K>(E::kLanes))..., out,
+                              LaneValue(edge, LaneMember<E, K>())..., out,
                               (jacobians != nullptr ? &std::get<I>(blocks) : nullptr)...)) {
       return false;
     }
@@ -153,9 +168,7 @@ bool EvaluateInDouble(const E& edge, const std::tuple<const V&...>& vertices,
     (copy(std::get<I>(blocks), jacobians), ...);
     return true;
   };
-  return call(
-      std::index_sequence_for<V...>{},
-      std::make_index_sequence<std::tuple_size_v<std::remove_cvref_t<decltype(E::kLanes)>>>{});
+  return call(std::index_sequence_for<V...>{}, LaneIndices<E>{});
 }
 
 }  // namespace internal

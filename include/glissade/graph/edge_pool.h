@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "glissade/edges/concept.h"
+#include "glissade/edges/same_in_run.h"
 #include "glissade/graph/edge_options.h"
 #include "glissade/graph/edge_pool_base.h"
 #include "glissade/graph/robust.h"
@@ -136,15 +137,17 @@ class EdgePool final : public EdgePoolBase {
     return identity_[Index(edge)] != 0 ? nullptr : sqrt_information(edge);
   }
   [[nodiscard]] bool SameInRun(int edge, int other) const override {
+    if constexpr (kEvaluatesInPacks<E>) {
+      static_assert(internal::kKnowsWhatDiffers<E>,
+                    "the edge has members that are not in kLanes: it needs a SameSensor (or a "
+                    "SameInRun) `bool SameSensor(const E& other) const` that compares them; one of "
+                    "a base does not know the members that the edge adds");
+    }
     if constexpr (requires(const E& e) { e.SameInRun(e); }) {
       return At(edge).SameInRun(At(other));
-    } else if constexpr (!kEvaluatesInPacks<E>) {
-      return true;
-    } else if constexpr (requires(const E& e) { e.SameSensor(e); }) {
+    } else if constexpr (kEvaluatesInPacks<E> && requires(const E& e) { e.SameSensor(e); }) {
       return At(edge).SameSensor(At(other));
     } else {
-      static_assert(internal::kAllInLanes<E>,
-                    "members that are not in kLanes: the edge needs a SameSensor");
       return true;
     }
   }

@@ -78,7 +78,10 @@ void MoveLanes(E* edge, double t) {
       x += t * (1.0 + (x < 0.0 ? -x : x));
     std::memcpy(static_cast<void*>(&(edge->*member)), numbers, sizeof(numbers));
   };
-  std::apply([&](auto... member) { (move(member), ...); }, E::kLanes);
+  [&]<std::size_t... K>(std::index_sequence<K...>) {
+    (move(LaneMember<E, K>()), ...);
+  }
+  (LaneIndices<E>{});
 }
 
 template <class E, class Unit, class List>
