@@ -26,7 +26,12 @@
 ///     template <class T>
 ///     bool Project(const Vec<T, 3>& p_c, Vec<T, 2>& uv, Mat<T, 2, 3>* d_uv_d_p) const;
 ///
-/// the observation edges are evaluated in packs (base/pack.h).
+/// the observation edges are evaluated in packs (base/pack.h). In a pack `return false` is for all
+/// lanes: `if (z == T(0.0)) return false;` works, and evaluates once more one by one where the
+/// lanes disagree. Without the condition a lane that has no value must give a uv that is not
+/// finite, which the library finds, and so must what is computed from it: on top of CameraIdentity,
+/// whose quotient at z = 0 is infinite or NaN in packs and is not refused there, a bounded function
+/// (atan) would make a finite uv of the infinite one. Ask for z == 0 yourself in such a model.
 namespace glissade {
 
 template <class C>

@@ -14,8 +14,9 @@ struct LaneRun {
   int landmark = 0;                     ///< which of the vertices differs
   const double* const* states =
       nullptr;  ///< of each vertex; what stands for the landmark is unused
-  const double* const* points = nullptr;           ///< x_lin of these, null where there is none
-  const double* const* landmark_states = nullptr;  ///< per lane
+  const double* const* points = nullptr;  ///< x_lin of these, null where there is none
+  /// Of each edge: of the padding lanes there are none.
+  const double* const* landmark_states = nullptr;
   const double* const* landmark_points = nullptr;
   /// Scratch: residual and Jacobians of one edge, or the Jacobian of a pose in lanes.
   double* work = nullptr;

@@ -7,7 +7,8 @@
 
 namespace glissade {
 
-/// How the edges of one type are evaluated that have a vertex that is not fixed, by their number.
+/// How the edges of one type are evaluated, by their number: all of them, those whose vertices are
+/// all fixed too.
 struct EdgeEvaluation {
   std::string_view type;  ///< its name
   int in_packs = 0;       ///< as many at once as a register has room for (base/pack.h)
