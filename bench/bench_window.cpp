@@ -42,8 +42,7 @@ struct Options {
   bool once = false;
   bool trace = false;
   bool converge = false;
-  bool variant = false;  // glissade against itself: with these
-  bool general = false;
+  bool variant = false;  // glissade against itself: with so many threads
   int threads = 1;
 };
 
@@ -213,13 +212,12 @@ void Compare(const std::string& file, const std::vector<ViowinWindow>& windows, 
 
 // ---- glissade against itself -------------------------------------------------------------------
 
-/// Two threads against one, or the general path, which edges of a user take, against the fused one.
+/// Two threads against one.
 void CompareVariant(const std::string& file, const std::vector<ViowinWindow>& windows,
                     const Options& o) {
   const SolveOptions options = CeresStyle(kSteps);
   SolveOptions variant = options;
   variant.num_threads = o.threads;
-  variant.fuse_reprojections = !o.general;
   std::vector<double> our_ms, variant_ms, ratio;
   int different = 0;
   for (const ViowinWindow& window : windows) {
@@ -238,11 +236,11 @@ void CompareVariant(const std::string& file, const std::vector<ViowinWindow>& wi
     different += a.cost != b.cost;
   }
   std::printf(
-      "%s %s, %d threads, %s path: %.4f ms against %.4f, ratio median %.3f  min %.3f  max "
+      "%s %s, %d threads: %.4f ms against %.4f, ratio median %.3f  min %.3f  max "
       "%.3f; final costs that differ in a bit: %d of %zu\n",
-      file.c_str(), o.kind == WindowKind::kVision ? "vision" : "imu", o.threads,
-      o.general ? "general" : "fused", Median(variant_ms), Median(our_ms), Median(ratio),
-      Quantile(ratio, 0.0), Quantile(ratio, 1.0), different, windows.size());
+      file.c_str(), o.kind == WindowKind::kVision ? "vision" : "imu", o.threads, Median(variant_ms),
+      Median(our_ms), Median(ratio), Quantile(ratio, 0.0), Quantile(ratio, 1.0), different,
+      windows.size());
   std::fflush(stdout);
 }
 
@@ -375,7 +373,7 @@ int Usage(const char* why) {
   std::fprintf(
       stderr,
       "bench_window: %s\nbench_window [--imu] [--cpu-time] [--rounds N] [--converge | --jitter N | "
-      "--once | --threads N | --general] FILE...\n",
+      "--once | --threads N] FILE...\n",
       why);
   return 2;
 }
@@ -398,8 +396,6 @@ int main(int argc, char** argv) {
     } else if (arg == "--threads") {
       if ((o.threads = number()) < 1) return Usage("--threads: a number from 1 on");
       o.variant = true;
-    } else if (arg == "--general") {
-      o.general = o.variant = true;
     } else if (arg == "--trace") {
       o.trace = true;
     } else if (arg == "--once") {

@@ -20,6 +20,7 @@
 
 #include "kernels/schur.h"
 #include "kernels/twists.h"
+#include "kernels/two_view.h"
 
 namespace glissade::kernels {
 
@@ -120,8 +121,9 @@ struct KernelTable {
   /// entry where per_lane is 1. work: rows * lanes numbers.
   void (*whiten_lanes)(int rows, int cols, int lanes, const double* l, int per_lane, double* x,
                        double* work);
-  /// squares = r'r per lane; returns their sum.
-  double (*lane_squares)(int rows, int lanes, const double* r, double* squares);
+  /// r <- scale mask r (mask per lane, null: 1), squares = r'r per lane; returns their sum.
+  double (*lane_squares)(int rows, int lanes, double scale, const double* mask, double* r,
+                         double* squares);
   /// J <- scale (J - alpha_over_s r (r'J)), scale and alpha_over_s per lane.
   void (*correct_lanes)(int rows, int cols, int lanes, const double* r, const double* scale,
                         const double* alpha_over_s, double* J);
@@ -141,8 +143,11 @@ struct KernelTable {
 
   // ---- Landmarks of one host, poses as twists (kernels/twists.h) -------------------------------
 
-  /// Adds what a run of edges makes: every array after `frame`.
-  void (*twist_sums)(const TwistRun* run);
+  /// Residuals and Jacobians of reprojections (kernels/two_view.h).
+  void (*two_view_lanes)(const TwoViewRun* run);
+  /// Adds what a run of edges makes: every array after `frame`. Returns 0 where a sum is not
+  /// finite, else 1.
+  int (*twist_sums)(const TwistRun* run);
   /// One column per lane, of 7 + 6 num_targets rows:
   ///   [beta; scale * W_host; scale * W_target 0; ...]   in twists; ldw >= that. Rows of targets
   /// that do not see the lane are not written.

@@ -20,6 +20,9 @@ namespace glissade::kernels {
 /// Arrays of lanes come in blocks of this many, whatever the instruction set.
 constexpr int kLaneBlock = 8;
 
+/// Numbers of a sum over a run, with padding: 21 of a symmetric matrix and 6 of a vector.
+constexpr int kTwistSums = 32;
+
 /// The target of a run of edges.
 struct TwistFrame {
   double R[9];     ///< row-major
@@ -43,8 +46,8 @@ struct TwistRun {
   double* b;      ///< b_l = -J_l'r per lane
   double* force;  ///< six arrays of force_lanes: sum over rows of j [f; q], j = dr/dlandmark
   int64_t force_lanes;
-  double* H;  ///< sum of [f; q][f; q]', 6 x 6 row-major, full
-  double* g;  ///< sum of r [f; q]
+  bool sets_force;  ///< force is set, not added to
+  double* sums;     ///< kTwistSums numbers: [f; q][f; q]', lower triangle by rows, and r [f; q]
 };
 
 /// What a target has of a group after its runs.

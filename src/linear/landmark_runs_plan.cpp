@@ -19,6 +19,8 @@ std::size_t Index(std::int64_t i) {
 /// Values of so many edges stay in the first-level cache while they are used.
 constexpr int kMaxRun = 64;
 constexpr int kPoseColumns = 6;
+/// Each sensor costs a pass over the edges of the others.
+constexpr int kMaxSorted = 64;
 
 int RoundUp(int lanes) {
   return (lanes + kernels::kLaneBlock - 1) / kernels::kLaneBlock * kernels::kLaneBlock;
@@ -115,12 +117,12 @@ void LandmarkRuns::PlanPool(const EdgePoolBase& pool, int id, int arity,
     auto end = begin + 1;
     while (end != items_.end() && SameVertices(begin->words, end->words, arity))
       ++end;
-    // By sensor, in the order in which they come.
-    while (begin != end) {
+    // By sensor, in the order in which they come; where there are very many, as they come.
+    for (int sensors = 0; begin != end; ++sensors) {
       const int first = edge(*begin);
       auto next = std::find_if(
           begin + 1, end, [&](const Item& item) { return !pool.SameInRun(first, edge(item)); });
-      if (next != end) {
+      if (next != end && sensors < kMaxSorted) {
         rest_.clear();
         auto to = next;
         for (auto from = next; from != end; ++from) {

@@ -134,7 +134,8 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
   }
   runs_->Plan(structure, *graph);
   twists_->Pack(structure, *graph);
-  twists_->Update(structure, *graph);
+  twists_->UpdatePoses(structure, *graph);
+  twists_->UpdateFrames(structure, *graph);
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int chunk) { LinearizeChunk(structure, *graph, chunk); });
   if (const StepFailure failure = CheckCosts(structure, *graph, cost); !failure.ok()) {
@@ -167,6 +168,7 @@ void NormalEquations::SumChunks(int num_chunks, ThreadPool* threads) {
 
 StepFailure NormalEquations::Cost(const Structure& structure, const Graph& graph,
                                   ThreadPool* threads, double* cost) {
+  twists_->UpdatePoses(structure, graph);
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int c) {
     Chunk& chunk = chunks_[Index(c)];

@@ -40,6 +40,8 @@ void TwistTerms::Pack(const Structure& structure, const Graph& graph) {
   segments_.clear();
   segment_begin_.assign(1, 0);
   weights_.Clear();
+  uv_.clear();
+  extrinsics_.clear();
   groups_.clear();
   targets_.clear();
   max_values_ = max_work_ = max_rows_ = 0;
@@ -47,6 +49,8 @@ void TwistTerms::Pack(const Structure& structure, const Graph& graph) {
   for (auto* array : {&b_, &h_, &scale_, &beta_, &inverse_h_})
     array->assign(lanes, 0.0);
   force_.assign(6 * Index(plan.pair_lanes), 0.0);
+  has_run_.assign(plan.pairs.size(), 0);
+  force_is_set_.assign(plan.pairs.size(), 0);
   std::size_t max_pairs = 0;
   for (const LandmarkPair& pair : plan.pairs)
     targets_.push_back({pair.lanes, force_.data() + 6 * std::int64_t{pair.begin}});
@@ -76,24 +80,60 @@ void TwistTerms::PackRun(const LandmarkPlan& plan, const Graph& graph, std::int3
   const LandmarkRun& run = plan.runs[Index(index)];
   const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
   const int rows = pool.residual_dim(0);
+  const bool sets_force = run.pair >= 0 && !has_run_[Index(run.pair)] && run.first == 0 &&
+                          run.lanes == plan.pairs[Index(run.pair)].lanes;
+  if (run.pair >= 0) has_run_[Index(run.pair)] = 1;
+  if (sets_force) force_is_set_[Index(run.pair)] = 1;
   for (std::int32_t first = 0; first < run.lanes; first += kMaxSegment) {
     Segment segment;
     segment.run = index;
     segment.first = first;
+    segment.lane = run.first + first;
+    segment.sets_force = sets_force;
     segment.lanes = std::min(kMaxSegment, run.lanes - first);
     // Padding costs nothing in packs; and a run is then a whole number of them.
-    segment.count =
-        pool.evaluates_in_packs() ? segment.lanes : std::min(segment.lanes, run.used - first);
+    segment.count = pool.evaluates_in_packs() ? segment.lanes
+                                              : std::min(segment.lanes, run.used - segment.lane);
     const double* mask = plan.mask_of_slot.data() + run.begin + first;
     segment.masked = std::find(mask, mask + segment.count, 0.0) != mask + segment.count;
     segment.weights = weights_.Add(pool, plan.edge_of_slot.data() + run.begin + first, rows,
                                    segment.count, segment.lanes);
+    PackTwoViews(pool, plan.edge_of_slot.data() + run.begin + first, &segment);
     segments_.push_back(segment);
   }
   max_rows_ = std::max(max_rows_, Index(rows));
   max_values_ = std::max(max_values_, Index(rows * kColumns) * Index(kMaxSegment));
   // One edge's residual and all of its Jacobians.
   max_work_ = std::max(max_work_, Index(rows * (kColumns + 6)));
+}
+
+void TwistTerms::PackTwoViews(const EdgePoolBase& pool, const std::int32_t* edges,
+                              Segment* segment) {
+  TwoViewObservation observation;
+  if (!pool.TwoView(edges[0], &observation)) return;
+  segment->host_camera = FindExtrinsic(observation.T_b_host);
+  segment->target_camera = FindExtrinsic(observation.T_b_target);
+  segment->count = segment->lanes;
+  segment->uv = static_cast<std::int64_t>(uv_.size());
+  uv_.resize(uv_.size() + 4 * Index(segment->lanes));
+  double* const uv = uv_.data() + segment->uv;
+  for (std::int32_t s = 0; s < segment->lanes; ++s) {
+    static_cast<void>(pool.TwoView(edges[s], &observation));
+    for (int k = 0; k < 2; ++k) {
+      uv[k * segment->lanes + s] = observation.uv_host[k];
+      uv[(2 + k) * segment->lanes + s] = observation.uv_target[k];
+    }
+  }
+}
+
+std::int32_t TwistTerms::FindExtrinsic(const double* T_b_c) {
+  // A rig has a handful of cameras; the last one found is the likeliest.
+  for (std::size_t k = extrinsics_.size(); k-- > 0;) {
+    if (std::equal(T_b_c, T_b_c + 7, extrinsics_[k].data)) return static_cast<std::int32_t>(k);
+  }
+  extrinsics_.emplace_back();
+  std::copy_n(T_b_c, 7, extrinsics_.back().data);
+  return static_cast<std::int32_t>(extrinsics_.size() - 1);
 }
 
 std::int64_t TwistTerms::Edges(const Structure& structure, int pool) const {
@@ -126,7 +166,29 @@ void TwistTerms::ForgetRedone() {
     chunk.redone.assign(chunk.redone.size(), 0);
 }
 
-void TwistTerms::Update(const Structure& structure, const Graph& graph) {
+void TwistTerms::UpdatePoses(const Structure& structure, const Graph& graph) {
+  const LandmarkPlan& plan = structure.groups();
+  if (plan.empty()) return;
+  const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
+  num_poses_ = Index(poses.size());
+  cameras_.resize(extrinsics_.size() * num_poses_);
+  const double* o = poses.Data(plan.center);
+  kernels::TwoViewCamera* out = cameras_.data();
+  for (const Pose& T_b_c : extrinsics_) {
+    for (int k = 0; k < poses.size(); ++k, ++out) {
+      // Taken from the center's position first: far from the world's origin the rest would lose
+      // its last digits to that distance.
+      Pose T_o_b = poses.At(k).pose;
+      for (int i = 0; i < 3; ++i)
+        T_o_b.data[i] -= o[i];
+      const Pose T_o_c = T_o_b * T_b_c;
+      Copy(T_o_c.R(), out->R_wc);
+      std::copy_n(T_o_c.data, 3, out->c);
+    }
+  }
+}
+
+void TwistTerms::UpdateFrames(const Structure& structure, const Graph& graph) {
   const LandmarkPlan& plan = structure.groups();
   if (plan.empty()) return;
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
@@ -139,7 +201,8 @@ void TwistTerms::Update(const Structure& structure, const Graph& graph) {
   // Moments are taken about a point among the poses, so that they do not grow with the distance
   // from the world's origin (LandmarkPlan::kMaxReach).
   const double* o = lin(plan.center);
-  frames_.resize(Index(poses.size()));
+  frames_.resize(num_poses_);
+  camera_frames_.resize(cameras_.size());
   for (int k = 0; k < poses.size(); ++k) {
     kernels::TwistFrame& frame = frames_[Index(k)];
     const double *x = poses.Data(k), *x_lin = lin(k);
@@ -149,6 +212,17 @@ void TwistTerms::Update(const Structure& structure, const Graph& graph) {
       frame.p[i] = x_lin[i] - o[i];
     frame.turned = x != x_lin && !std::equal(x + 3, x + 7, x_lin + 3);
     if (frame.turned) Copy(R * RotationMatrix(x + 3).transpose(), frame.turn);
+    for (std::size_t c = 0; c < extrinsics_.size(); ++c) {
+      // Jacobians by the camera are in its own axes, to be turned to the world's.
+      kernels::TwistFrame& camera = camera_frames_[c * num_poses_ + Index(k)];
+      const Matrix3 R_w_c = R * extrinsics_[c].R();
+      Copy(R_w_c, camera.R);
+      Copy(R_w_c, camera.turn);
+      camera.turned = true;
+      const Vector3 lever = R * extrinsics_[c].p();
+      for (int i = 0; i < 3; ++i)
+        camera.p[i] = frame.p[i] + lever[i];
+    }
   }
   for (std::size_t k = 0; k < maps_.size(); ++k) {
     const PoseBlock& block = structure.poses()[k];
@@ -167,6 +241,32 @@ void TwistTerms::Update(const Structure& structure, const Graph& graph) {
   }
 }
 
+const kernels::TwistFrame& TwistTerms::FrameOf(const Segment& segment, std::int32_t pose) const {
+  if (segment.target_camera < 0) return frames_[Index(pose)];
+  return camera_frames_[Index(segment.target_camera) * num_poses_ + Index(pose)];
+}
+
+void TwistTerms::EvaluateTwoViews(const LandmarkPlan& plan, const Graph& graph,
+                                  const LandmarkFrame& host, const Segment& segment,
+                                  const Values& values) const {
+  const LandmarkRun& run = plan.runs[Index(segment.run)];
+  const kernels::TwoViewCamera* host_cameras =
+      cameras_.data() + Index(segment.host_camera) * num_poses_;
+  const kernels::TwoViewCamera* target_cameras =
+      cameras_.data() + Index(segment.target_camera) * num_poses_;
+  kernels::TwoViewRun lanes{};
+  lanes.lanes = segment.lanes;
+  lanes.uv = uv_.data() + segment.uv;
+  lanes.depths = graph.Pool<VertexInverseDepth>()->Data(0);
+  lanes.depth_of_lane = plan.landmark_of_slot.data() + run.begin + segment.first;
+  lanes.host = host_cameras + host.pose;
+  lanes.target = target_cameras + plan.pairs[Index(run.pair)].target.pose;
+  lanes.r = values.r;
+  lanes.J_l = values.J_l;
+  lanes.J = values.J;
+  kernels::Kernels().two_view_lanes(&lanes);
+}
+
 TwistTerms::Values TwistTerms::Place(const Segment& segment, bool has_target, bool jacobians,
                                      Chunk* chunk) {
   Values values;
@@ -181,7 +281,11 @@ TwistTerms::Values TwistTerms::Place(const Segment& segment, bool has_target, bo
 }
 
 int TwistTerms::Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
-                         const Segment& segment, const Values& values, Chunk* chunk) {
+                         const Segment& segment, const Values& values, Chunk* chunk) const {
+  if (segment.host_camera >= 0) {
+    EvaluateTwoViews(plan, graph, host, segment, values);
+    return -1;
+  }
   const LandmarkRun& run = plan.runs[Index(segment.run)];
   const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
@@ -227,7 +331,8 @@ bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, in
   std::fill_n(b_.begin() + group.lane_begin, group.lanes, 0.0);
   for (std::int32_t p = group.pair_begin; p < group.pair_end; ++p) {
     const LandmarkPair& pair = plan.pairs[Index(p)];
-    std::fill_n(force_.begin() + 6 * std::int64_t{pair.begin}, 6 * pair.lanes, 0.0);
+    if (!force_is_set_[Index(p)])
+      std::fill_n(force_.begin() + 6 * std::int64_t{pair.begin}, 6 * pair.lanes, 0.0);
     chunk->pairs[Index(p - group.pair_begin)] = {};
   }
   for (std::int32_t k = segment_begin_[Index(index)]; k < segment_begin_[Index(index) + 1]; ++k) {
@@ -245,14 +350,7 @@ bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, in
           segment.masked ? plan.mask_of_slot.data() + run.begin + segment.first : nullptr, values.r,
           {J, run.pair >= 0 ? 2u : 1u}, &chunk->weights, &sink->cost, &factors);
     }
-    if (failed < 0 && kernel.lanes_finite(values.count, values.r) == 0)
-      failed = FindNotFiniteLane(segment.lanes, values.count, values.r);
-    if (failed >= 0) {
-      *pool = run.pool;
-      sink->failed_edge = edge[failed];
-      return false;
-    }
-    const std::int32_t lane = group.lane_begin + segment.first;
+    const std::int32_t lane = group.lane_begin + segment.lane;
     kernels::TwistRun sums{};
     sums.rows = segment.weights.rows;
     sums.lanes = segment.lanes;
@@ -266,13 +364,20 @@ bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, in
       const LandmarkPair& pair = plan.pairs[Index(run.pair)];
       TwistSum& sum = chunk->pairs[Index(run.pair - group.pair_begin)];
       sums.J = values.J;
-      sums.frame = &frames_[Index(pair.target.pose)];
-      sums.force = force_.data() + 6 * std::int64_t{pair.begin} + segment.first;
+      sums.frame = &FrameOf(segment, pair.target.pose);
+      sums.force = force_.data() + 6 * std::int64_t{pair.begin} + segment.lane;
       sums.force_lanes = pair.lanes;
-      sums.H = sum.H;
-      sums.g = sum.g;
+      sums.sets_force = segment.sets_force;
+      sums.sums = sum.x;
     }
-    kernel.twist_sums(&sums);
+    // What is not finite in the values is not in the sums.
+    if (failed < 0 && kernel.twist_sums(&sums) == 0)
+      failed = FindNotFiniteLane(segment.lanes, values.count, values.r);
+    if (failed >= 0) {
+      *pool = run.pool;
+      sink->failed_edge = edge[failed];
+      return false;
+    }
   }
   return true;
 }
@@ -292,7 +397,9 @@ void TwistTerms::AddGroup(const Structure& structure, int index, double* h_pp, C
     chunk->frames[Index(t)].Add(sum, 1.0);
     if (pair.h_block < 0) continue;
     const std::int32_t row = pair.h_transposed ? t : h, col = pair.h_transposed ? h : t;
-    kernels::Kernels().map_block(-1.0, maps_[Index(row)].T, sum.H, 6, maps_[Index(col)].T,
+    double H[36];
+    sum.Unpack(H);
+    kernels::Kernels().map_block(-1.0, maps_[Index(row)].T, H, 6, maps_[Index(col)].T,
                                  h_pp + pair.h_block, 6, 1);
   }
   if (h >= 0) chunk->frames[Index(h)].Add(at_host, 1.0);
@@ -305,12 +412,14 @@ void TwistTerms::AddFrames(const Structure& structure, const Chunk& chunk, doubl
     if (!frame.used) continue;
     const double* T = maps_[k].T;
     const PoseBlock& pose = structure.poses()[k];
-    kernels::Kernels().map_block(1.0, T, frame.H, 6, T, h_pp + pose.h_diagonal, 6, 1);
+    double H[36];
+    frame.Unpack(H);
+    kernels::Kernels().map_block(1.0, T, H, 6, T, h_pp + pose.h_diagonal, 6, 1);
     // b = -J'r in the tangent: T' of the twist's.
     for (int c = 0; c < 6; ++c) {
       double sum = 0.0;
       for (int i = 0; i < 6; ++i)
-        sum += T[8 * i + c] * frame.g[i];
+        sum += T[8 * i + c] * frame.x[TwistSum::kGradient + i];
       b_p[pose.offset + c] += sum;
     }
   }

@@ -26,9 +26,11 @@ class TwistTerms {
   /// changed.
   void Pack(const Structure& structure, const Graph& graph);
 
-  /// Poses and maps at the graph's present values, for Linearize. Not for Cost: after a rejected
-  /// step what is eliminated once more is still the old linearization.
-  void Update(const Structure& structure, const Graph& graph);
+  /// Poses at the graph's present values, for Linearize and Cost.
+  void UpdatePoses(const Structure& structure, const Graph& graph);
+  /// Frames and maps at the same values, for Linearize. Not for Cost: after a rejected step what is
+  /// eliminated once more is still the old linearization.
+  void UpdateFrames(const Structure& structure, const Graph& graph);
   /// Adds a chunk's part of H_pp, b_p and cost; h and b_l of its lanes are kept here. False where
   /// an edge has no finite value: *pool and sink->failed_edge tell which.
   bool Linearize(const Structure& structure, const Graph& graph, int chunk,
@@ -68,27 +70,39 @@ class TwistTerms {
   /// A part of a LandmarkRun whose values stay in the first-level cache.
   struct Segment {
     std::int32_t run = 0;
-    std::int32_t first = 0;  ///< lane of the group
+    std::int32_t first = 0;  ///< slot of the run
+    std::int32_t lane = 0;   ///< of the group
     std::int32_t lanes = 0;
-    std::int32_t count = 0;  ///< lanes that are evaluated
-    bool masked = false;     ///< some of these repeat others
+    std::int32_t count = 0;   ///< lanes that are evaluated
+    bool masked = false;      ///< some of these repeat others
+    bool sets_force = false;  ///< the first of its target, for all lanes of it
+    /// Reprojections between ideal cameras: cameras in the body, in extrinsics_. -1: others.
+    std::int32_t host_camera = -1, target_camera = -1;
+    std::int64_t uv = 0;  ///< their measurements in uv_
     LaneWeights::Run weights;
   };
   /// 6 x 6 row-major with rows of 8.
   struct Map {
     double T[48] = {};
   };
-  /// A sum of [f; q][f; q]' and of r [f; q].
+  /// A sum of [f; q][f; q]' and of r [f; q], as the kernel packs it.
   struct TwistSum {
-    double H[36] = {};
-    double g[6] = {};
+    static constexpr int kGradient = 21;  ///< where the vector begins
+    double x[kernels::kTwistSums] = {};
     bool used = false;
-    void Add(const TwistSum& other, double sign_of_g) {
-      for (int i = 0; i < 36; ++i)
-        H[i] += other.H[i];
-      for (int i = 0; i < 6; ++i)
-        g[i] += sign_of_g * other.g[i];
+    void Add(const TwistSum& other, double sign_of_gradient) {
+      for (int i = 0; i < kGradient; ++i)
+        x[i] += other.x[i];
+      for (int i = kGradient; i < kGradient + 6; ++i)
+        x[i] += sign_of_gradient * other.x[i];
       used = true;
+    }
+    /// 6 x 6.
+    void Unpack(double* H) const {
+      for (int i = 0, k = 0; i < 6; ++i) {
+        for (int j = 0; j <= i; ++j, ++k)
+          H[6 * i + j] = H[6 * j + i] = x[k];
+      }
     }
   };
   struct Chunk {
@@ -108,14 +122,20 @@ class TwistTerms {
   };
 
   void PackRun(const LandmarkPlan& plan, const Graph& graph, std::int32_t run);
+  void PackTwoViews(const EdgePoolBase& pool, const std::int32_t* edges, Segment* segment);
+  std::int32_t FindExtrinsic(const double* T_b_c);
+  void UpdateCameras(const VertexPool<VertexPose>& poses, std::int32_t center);
+  [[nodiscard]] const kernels::TwistFrame& FrameOf(const Segment& segment, std::int32_t pose) const;
   bool LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, int group,
                       NormalEquationsSink* sink, Chunk* chunk, std::int32_t* pool);
   void AddGroup(const Structure& structure, int group, double* h_pp, Chunk* chunk);
   void AddFrames(const Structure& structure, const Chunk& chunk, double* h_pp, double* b_p) const;
   static Values Place(const Segment& segment, bool has_target, bool jacobians, Chunk* chunk);
   /// Raw values; returns the first lane without one, or -1.
-  static int Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
-                      const Segment& segment, const Values& values, Chunk* chunk);
+  int Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
+               const Segment& segment, const Values& values, Chunk* chunk) const;
+  void EvaluateTwoViews(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
+                        const Segment& segment, const Values& values) const;
   void ProjectMaps(const Structure& structure, const Graph& graph);
   void AddRhs(const Structure& structure, std::int32_t block, double* b_s) const;
   void FillTwists(const Structure& structure, const double* x, int group, Chunk* chunk) const;
@@ -129,9 +149,15 @@ class TwistTerms {
   std::vector<kernels::TwistTarget> targets_;
   std::vector<double> force_, h_, b_, scale_, beta_, inverse_h_;
   std::size_t max_values_ = 0, max_work_ = 0, max_rows_ = 0;
-  std::vector<kernels::TwistFrame> frames_;  // by dense index of the pose
-  std::vector<Map> maps_;                    // T per pose block
-  std::vector<Map> projected_maps_;          // T P
+  std::vector<std::uint8_t> has_run_, force_is_set_;  // by pair
+  std::vector<double> uv_;
+  std::vector<Pose> extrinsics_;  // all different
+  std::size_t num_poses_ = 0;
+  // Of all poses, by dense index; of cameras and their frames: for each extrinsic.
+  std::vector<kernels::TwistFrame> frames_, camera_frames_;
+  std::vector<kernels::TwoViewCamera> cameras_;
+  std::vector<Map> maps_;            // T per pose block
+  std::vector<Map> projected_maps_;  // T P
   std::vector<Chunk> chunks_;
 };
 

@@ -43,7 +43,10 @@ void Run(Graph* graph, SolverWorkspace* workspace, const SolveOptions& options,
   } else {
     run(LevenbergMarquardtStrategy(graph, workspace, options, start));
   }
-  workspace->equations.ListEvaluations(workspace->structure, *graph, &workspace->summary.edges);
+  // Only of what this solve has analyzed.
+  SolveSummary& summary = workspace->summary;
+  if (summary.num_edges > 0)
+    workspace->equations.ListEvaluations(workspace->structure, *graph, &summary.edges);
 }
 
 }  // namespace

@@ -15,6 +15,10 @@ std::size_t Index(std::int64_t i) {
 }
 
 constexpr std::int32_t kLaneBlock = LandmarkPlan::kLaneBlock;
+/// So many empty lanes in a row end a run, and an edge looks for its run among so many: sensors of
+/// all kinds shall cost neither lanes nor time without bound.
+constexpr std::int32_t kMaxGap = 32;
+constexpr int kMaxLookedAt = 16;
 
 std::int32_t RoundUp(std::int32_t lanes) {
   return (lanes + kLaneBlock - 1) / kLaneBlock * kLaneBlock;
@@ -119,7 +123,7 @@ void Structure::PlanGroup(const Graph& graph, LandmarkGroup* group, std::size_t 
   group->lanes = RoundUp(static_cast<std::int32_t>(end - begin));
   group->pair_begin = static_cast<std::int32_t>(plan_.pairs.size());
   group->run_begin = static_cast<std::int32_t>(plan_.runs.size());
-  first_run_.assign(1, -1);  // of the landmarks alone, then of each pair of the group
+  newest_run_.assign(1, -1);  // of the landmarks alone, then of each pair of the group
   next_run_.clear();
   first_edge_.clear();
   run_of_edge_.clear();
@@ -137,7 +141,8 @@ void Structure::PlanGroup(const Graph& graph, LandmarkGroup* group, std::size_t 
   const std::int32_t* run = run_of_edge_.data();
   for (std::size_t k = begin; k < end; ++k) {
     ForEachEdgeOf(grouped_[k].landmark, [&](const EdgeRef& ref) {
-      const std::size_t slot = Index(plan_.runs[Index(*run++)].begin) + (k - begin);
+      const LandmarkRun& of = plan_.runs[Index(*run++)];
+      const std::size_t slot = Index(of.begin - of.first) + (k - begin);
       plan_.edge_of_slot[slot] = ref.edge;
       plan_.landmark_of_slot[slot] = plan_.landmark_of_lane[Index(group->lane_begin) + k - begin];
       plan_.mask_of_slot[slot] = 1.0;
@@ -162,34 +167,34 @@ std::int32_t Structure::FindRun(const Graph& graph, const LandmarkGroup& group, 
       LandmarkPair added;
       added.target = {pose, std::max(flat.variable[at], -1)};
       plan_.pairs.push_back(added);
-      first_run_.push_back(-1);
+      newest_run_.push_back(-1);
     }
     pair = pair_of_pose_[Index(pose)];
     plan_.pairs[Index(pair)].lanes = lane + 1;
   }
-  std::int32_t& first = first_run_[Index(pair < 0 ? 0 : pair - group.pair_begin + 1)];
+  std::int32_t& newest = newest_run_[Index(pair < 0 ? 0 : pair - group.pair_begin + 1)];
   const EdgePoolBase& pool = *graph.edge_pools()[Index(ref.pool)];
-  for (std::int32_t r = first; r >= 0; r = next_run_[Index(r - group.run_begin)]) {
+  int looked_at = 0;
+  for (std::int32_t r = newest; r >= 0 && looked_at < kMaxLookedAt;
+       r = next_run_[Index(r - group.run_begin)], ++looked_at) {
     LandmarkRun& run = plan_.runs[Index(r)];
     // A lane has one edge in a run: duplicates that were allowed are runs of their own.
-    if (run.pool != ref.pool || run.used > lane ||
-        !pool.SameInRun(first_edge_[Index(r - group.run_begin)], ref.edge)) {
-      continue;
+    if (run.pool == ref.pool && run.used <= lane && lane - run.used < kMaxGap &&
+        pool.SameInRun(first_edge_[Index(r - group.run_begin)], ref.edge)) {
+      run.used = lane + 1;
+      return r;
     }
-    run.has_holes = run.has_holes || run.used < lane;
-    run.used = lane + 1;
-    return r;
   }
   const auto added = static_cast<std::int32_t>(plan_.runs.size());
   LandmarkRun run;
   run.pool = ref.pool;
   run.pair = pair;
+  run.first = lane / kLaneBlock * kLaneBlock;
   run.used = lane + 1;
-  run.has_holes = lane > 0;
   plan_.runs.push_back(run);
   first_edge_.push_back(ref.edge);
-  next_run_.push_back(first);
-  first = added;
+  next_run_.push_back(newest);
+  newest = added;
   return added;
 }
 
@@ -211,7 +216,7 @@ void Structure::LayOutGroup(LandmarkGroup* group) {
   for (std::int32_t r = group->run_begin; r < group->run_end; ++r) {
     LandmarkRun& run = plan_.runs[Index(r)];
     if (run.pair >= 0) run.pair = moved_pair_[Index(run.pair - group->pair_begin)];
-    run.lanes = RoundUp(run.used);
+    run.lanes = RoundUp(run.used - run.first);
     run.begin = static_cast<std::int32_t>(plan_.edge_of_slot.size());
     const std::size_t size = plan_.edge_of_slot.size() + Index(run.lanes);
     plan_.edge_of_slot.resize(size, -1);
@@ -222,7 +227,6 @@ void Structure::LayOutGroup(LandmarkGroup* group) {
 
 // Lanes without an edge repeat the one before them, the first ones the first that is there.
 void Structure::FillHoles(const LandmarkRun& run) {
-  if (!run.has_holes && run.used == run.lanes) return;
   std::int32_t* const edge = plan_.edge_of_slot.data() + run.begin;
   std::int32_t* const landmark = plan_.landmark_of_slot.data() + run.begin;
   std::int32_t from = 0;

@@ -34,7 +34,7 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
       Reach(*graph) <= 2.0 * plan_.reach) {
     return {};
   }
-  graph_ = 0;
+  graph_ = analysis_ = 0;
   graph->Compact();
   num_pools_ = graph->edge_pools().size();
   words_.resize(num_pools_);

@@ -54,6 +54,7 @@ class Checker {
         J += rows_ * Columns(v);
       }
     }
+    if (result_.message.empty()) CheckRelative();
     for (int v = 0; v < edge_.vertices && edge_.in_packs && result_.message.empty(); ++v) {
       if (Columns(v) <= 4) CheckPacks(v);  // else it is no landmark: no run has it
     }
@@ -131,6 +132,28 @@ class Checker {
           return Fail(Name(v) + "in packs it differs from that of one edge");
         }
         begin += rows_ * Columns(v);
+      }
+    }
+    return true;
+  }
+
+  // Of vertices 0 and 1, whose Jacobians come first.
+  bool CheckRelative() {
+    if (edge_.motions.empty()) return true;
+    const double* J_1 = J_.data() + rows_ * Columns(0);
+    const double* motion_1 = edge_.motions.data() + 6 * Columns(0);
+    for (std::size_t row = 0; row < rows_; ++row) {
+      for (std::size_t axis = 0; axis < 6; ++axis) {
+        double change[2] = {};
+        for (std::size_t c = 0; c < Columns(0); ++c)
+          change[0] += J_[row * Columns(0) + c] * edge_.motions[6 * c + axis];
+        for (std::size_t c = 0; c < Columns(1); ++c)
+          change[1] += J_1[row * Columns(1) + c] * motion_1[6 * c + axis];
+        const double scale = MaxAbs(J_.data(), J_.size());
+        if (std::abs(change[0] + change[1]) <= 1e-9 * (scale + std::abs(change[0]))) continue;
+        return Fail(std::string("kFirstEstimateRule says that vertices 0 and 1 enter by their ") +
+                    "relative pose or point alone, but residual " + std::to_string(row) +
+                    " sees them move together");
       }
     }
     return true;

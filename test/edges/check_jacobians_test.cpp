@@ -10,6 +10,9 @@
 #include <string>
 #include <type_traits>
 
+#include "glissade/lie/so3.h"
+#include "glissade/vertices/inverse_depth.h"
+#include "glissade/vertices/pose.h"
 #include "glissade/vertices/vector.h"
 
 namespace glissade {
@@ -215,6 +218,31 @@ TEST(CheckJacobians, ExtrapolationReachesWhatAPlainDifferenceDoesNot) {
   EXPECT_GT(std::abs(plain / (3.0 * std::cos(0.9)) - 1.0), 1e-7);
   const JacobianCheck check = CheckJacobians(EdgeLargeNumbers{}, x);
   EXPECT_TRUE(check.ok) << check.message;
+}
+
+/// Says that it knows its poses by their relative pose, and looks at their mean.
+struct MeanOfPoses {
+  using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth>;
+  static constexpr int kResidualDim = 1;
+  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
+
+  bool Evaluate(const VertexPose& a, const VertexPose& b, const VertexInverseDepth& depth,
+                Vector<1>& r, Jacobian<1, 6>* d_a, Jacobian<1, 6>* d_b,
+                Jacobian<1, 1>* d_rho) const {
+    r[0] = 0.5 * (a.pose.p()[0] + b.pose.p()[0]) - depth.rho;
+    if (d_a != nullptr) *d_a << 0.5, 0.0, 0.0, 0.0, 0.0, 0.0;
+    if (d_b != nullptr) *d_b << 0.5, 0.0, 0.0, 0.0, 0.0, 0.0;
+    if (d_rho != nullptr) *d_rho << -1.0;
+    return true;
+  }
+};
+
+TEST(CheckJacobians, AFirstEstimateRuleThatIsNotSoIsFound) {
+  const VertexPose a{Pose(so3::ExpQuaternion(Vector3(0.1, 0.2, 0.3)), Vector3(1.0, 2.0, 3.0))};
+  const VertexPose b{Pose(so3::ExpQuaternion(Vector3(0.3, 0.1, 0.2)), Vector3(2.0, 2.0, 3.0))};
+  const JacobianCheck check = CheckJacobians(MeanOfPoses{}, a, b, VertexInverseDepth{0.3});
+  EXPECT_FALSE(check.ok);
+  EXPECT_NE(check.message.find("kFirstEstimateRule"), std::string::npos) << check.message;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "glissade/base/bundle.h"
 #include "glissade/base/pack.h"
 #include "glissade/edges/concept.h"
 #include "glissade/edges/lane_run.h"
@@ -27,16 +28,16 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M...>> {
   using T = Pack<Unit>;
   static constexpr int kW = T::kWidth;
   static constexpr int kRows = E::kResidualDim;
-  using Views = std::tuple<View<V, T>...>;
-  using Lanes = std::tuple<typename LaneAt<T, M>::Type...>;
+  using Views = Bundle<View<V, T>...>;
+  using Lanes = Bundle<typename LaneAt<T, M>::Type...>;
   using Vertices = std::index_sequence_for<V...>;
   static constexpr bool kDuals = kIsResidualOnly<E>;
   struct None {};
-  using Tangents = std::conditional_t<kDuals, std::tuple<ViewTangent<V, T>...>, None>;
+  using Tangents = std::conditional_t<kDuals, Bundle<ViewTangent<V, T>...>, None>;
 
   struct Results {
     Vec<T, kRows> r;
-    std::tuple<Mat<T, kRows, V::kTangentDim>...> J;
+    Bundle<Mat<T, kRows, V::kTangentDim>...> J;
   };
 
   /// The n-th number of an object of packs.
@@ -57,12 +58,12 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M...>> {
         if (tangents == nullptr) return;
         ViewTangent<Vertex, double> tangent;
         FindViewTangent<Vertex>(run.states[i()], &tangent);
-        auto& out = std::get<i()>(*tangents);
+        auto& out = Get<i()>(*tangents);
         for (std::size_t n = 0; n < std::size(out.d); ++n)
           out.d[n] = T(tangent.d[n]);
       }
     };
-    (load(std::integral_constant<std::size_t, I>{}, &std::get<I>(*views)), ...);
+    (load(std::integral_constant<std::size_t, I>{}, &Get<I>(*views)), ...);
   }
 
   template <std::size_t... I>
@@ -90,13 +91,13 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M...>> {
           ViewTangent<Vertex, double> of_lane[kW];
           for (int k = 0; k < kW; ++k)
             FindViewTangent<Vertex>(run.landmark_states[lane[k]], &of_lane[k]);
-          auto& out = std::get<i()>(*tangents);
+          auto& out = Get<i()>(*tangents);
           for (std::size_t n = 0; n < std::size(out.d); ++n)
             out.d[n] = T::Of([&](int k) { return of_lane[k].d[n]; });
         }
       }
     };
-    (load(std::integral_constant<std::size_t, I>{}, &std::get<I>(*views)), ...);
+    (load(std::integral_constant<std::size_t, I>{}, &Get<I>(*views)), ...);
   }
 
   template <std::size_t... K>
@@ -110,7 +111,7 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M...>> {
       for (int n = 0; n < kCount; ++n)
         *Number(out, n) = T::Of([&](int k) { return numbers[k][n]; });
     };
-    (load(std::get<K>(E::kLanes), &std::get<K>(*lanes)), ...);
+    (load(LaneMember<E, K>(), &Get<K>(*lanes)), ...);
   }
 
   template <std::size_t... I, std::size_t... K>
@@ -120,10 +121,10 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M...>> {
     if constexpr (kDuals) {
       return DualEvaluator<E, T, typename E::Vertices, typename LaneAt<T, M>::Type...>::Evaluate(
           edge, views, tangents, lanes, out->r,
-          (J != nullptr && J[I] != nullptr ? &std::get<I>(out->J) : nullptr)...);
+          (J != nullptr && J[I] != nullptr ? &Get<I>(out->J) : nullptr)...);
     } else {
-      return edge.Evaluate(std::get<I>(views)..., std::get<K>(lanes)..., out->r,
-                           (J != nullptr && J[I] != nullptr ? &std::get<I>(out->J) : nullptr)...);
+      return edge.Evaluate(Get<I>(views)..., Get<K>(lanes)..., out->r,
+                           (J != nullptr && J[I] != nullptr ? &Get<I>(out->J) : nullptr)...);
     }
   }
 
@@ -153,17 +154,26 @@ struct PackEvaluator<E, Unit, VertexList<V...>, std::tuple<M...>> {
       }
     };
     put(results.r, values.r);
-    ((values.J != nullptr && values.J[I] != nullptr ? put(std::get<I>(results.J), values.J[I])
-                                                    : void()),
+    ((values.J != nullptr && values.J[I] != nullptr ? put(Get<I>(results.J), values.J[I]) : void()),
      ...);
+  }
+
+  /// Tells the compiler that an object is written to, where it cannot see that all of it is before
+  /// it is read. Costs nothing.
+  template <class Object>
+  static void CountAsWritten(Object* object) {
+    __asm__ volatile("" : "=m"(*object));
   }
 
   static int Evaluate(const void* all, const LaneRun& run, const LaneValues& values) {
     const E* edges = static_cast<const E*>(all);
     Views views;
     Tangents tangents;
+    CountAsWritten(&views);
+    CountAsWritten(&tangents);
     LoadFrames(run, &views, values.J != nullptr ? &tangents : nullptr, Vertices{});
     Results results;
+    CountAsWritten(&results);
     for (int s = 0; s < run.count; s += kW) {
       int lane[kW];
       for (int k = 0; k < kW; ++k)

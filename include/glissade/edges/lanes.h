@@ -137,26 +137,25 @@ bool EvaluateInDouble(const E& edge, const std::tuple<const V&...>& vertices,
                       Vector<E::kResidualDim>& r, J*... jacobians) {
   constexpr int kRows = E::kResidualDim;
   Vec<double, kRows> out;
-  std::tuple<Mat<double, kRows, J::ColsAtCompileTime>...> blocks;
+  Bundle<Mat<double, kRows, J::ColsAtCompileTime>...> blocks;
   const auto call = [&]<std::size_t... I, std::size_t... K>(std::index_sequence<I...>,
                                                             std::index_sequence<K...>) {
     if constexpr (kIsResidualOnly<E>) {
       using Evaluator =
           DualEvaluator<E, double, VertexList<V...>,
                         std::remove_cvref_t<decltype(LaneValue(edge, LaneMember<E, K>()))>...>;
-      const std::tuple<View<V, double>...> views(ViewOfState<V>(std::get<I>(vertices).Data())...);
-      std::tuple<ViewTangent<V, double>...> tangents;
+      const Bundle<View<V, double>...> views{{ViewOfState<V>(std::get<I>(vertices).Data())}...};
+      Bundle<ViewTangent<V, double>...> tangents;
       if (((jacobians != nullptr) || ...)) {
-        (FindViewTangent<V>(std::get<I>(vertices).Data(), &std::get<I>(tangents)), ...);
+        (FindViewTangent<V>(std::get<I>(vertices).Data(), &Get<I>(tangents)), ...);
       }
-      if (!Evaluator::Evaluate(edge, views, tangents,
-                               std::make_tuple(LaneValue(edge, LaneMember<E, K>())...), out,
-                               (jacobians != nullptr ? &std::get<I>(blocks) : nullptr)...)) {
+      if (!Evaluator::Evaluate(edge, views, tangents, {{LaneValue(edge, LaneMember<E, K>())}...},
+                               out, (jacobians != nullptr ? &Get<I>(blocks) : nullptr)...)) {
         return false;
       }
     } else if (!edge.Evaluate(ViewOfState<V>(std::get<I>(vertices).Data())...,
                               LaneValue(edge, LaneMember<E, K>())..., out,
-                              (jacobians != nullptr ? &std::get<I>(blocks) : nullptr)...)) {
+                              (jacobians != nullptr ? &Get<I>(blocks) : nullptr)...)) {
       return false;
     }
     const auto copy = [](const auto& from, auto* to) {
@@ -165,7 +164,7 @@ bool EvaluateInDouble(const E& edge, const std::tuple<const V&...>& vertices,
         to->data()[i] = from[i];
     };
     copy(out, &r);
-    (copy(std::get<I>(blocks), jacobians), ...);
+    (copy(Get<I>(blocks), jacobians), ...);
     return true;
   };
   return call(std::index_sequence_for<V...>{}, LaneIndices<E>{});

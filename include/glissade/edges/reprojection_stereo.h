@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <concepts>
+
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
 #include "glissade/edges/concept.h"
 #include "glissade/edges/lanes.h"
+#include "glissade/edges/two_view_observation.h"
 #include "glissade/edges/two_view_point.h"
 
 namespace glissade {
@@ -59,6 +62,10 @@ struct EdgeReprojectionStereoOf {
                 Jacobian<2, 1>* d_r_d_rho) const {
     return internal::EvaluateInDouble(*this, std::tie(host, target, depth), r, d_r_d_host,
                                       d_r_d_target, d_r_d_rho);
+  }
+
+  [[nodiscard]] TwoViewObservation TwoView() const requires std::same_as<Camera, CameraIdentity> {
+    return {uv_host.data(), uv_target.data(), T_b_host.data, T_b_target.data};
   }
 
   /// Both cameras, as duplicates do not ask for.

@@ -4,10 +4,10 @@
 
 #include <concepts>
 #include <cstring>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 
+#include "glissade/base/bundle.h"
 #include "glissade/base/dual.h"
 #include "glissade/vertices/view.h"
 
@@ -118,19 +118,16 @@ struct DualEvaluator<E, T, VertexList<V...>, Lane...> {
     return out;
   }
 
-  static bool Evaluate(const E& edge, const std::tuple<View<V, T>...>& views,
-                       const std::tuple<ViewTangent<V, T>...>& tangents,
-                       const std::tuple<Lane...>& lanes, Vec<T, kRows>& r,
-                       Mat<T, kRows, V::kTangentDim>*... jacobians) {
-    if (((jacobians == nullptr) && ...)) {
-      return std::apply([&](const auto&... argument) { return edge.Evaluate(argument..., r); },
-                        std::tuple_cat(views, lanes));
-    }
+  static bool Evaluate(const E& edge, const Bundle<View<V, T>...>& views,
+                       const Bundle<ViewTangent<V, T>...>& tangents, const Bundle<Lane...>& lanes,
+                       Vec<T, kRows>& r, Mat<T, kRows, V::kTangentDim>*... jacobians) {
     return [&]<std::size_t... I, std::size_t... K>(std::index_sequence<I...>,
                                                    std::index_sequence<K...>) {
+      if (((jacobians == nullptr) && ...))
+        return edge.Evaluate(Get<I>(views)..., Get<K>(lanes)..., r);
       Vec<D, kRows> out;
-      if (!edge.Evaluate(Seed<V, kFirst<I>>(std::get<I>(views), std::get<I>(tangents))...,
-                         Constant(std::get<K>(lanes))..., out)) {
+      if (!edge.Evaluate(Seed<V, kFirst<I>>(Get<I>(views), Get<I>(tangents))...,
+                         Constant(Get<K>(lanes))..., out)) {
         return false;
       }
       for (int row = 0; row < kRows; ++row)

@@ -196,6 +196,19 @@ class EdgePool final : public EdgePoolBase {
     }
   }
 
+  bool TwoView(int edge, TwoViewObservation* observation) const override {
+    if constexpr (requires(const E& e) {
+                    { e.TwoView() } -> std::same_as<TwoViewObservation>;
+                  }) {
+      *observation = At(edge).TwoView();
+      return true;
+    } else {
+      static_cast<void>(edge);
+      static_cast<void>(observation);
+      return false;
+    }
+  }
+
   [[nodiscard]] bool IsDuplicate(int edge, int other) const override {
     if constexpr (requires(const E& e) {
                     { e.SameSensor(e) } -> std::convertible_to<bool>;

@@ -8,6 +8,7 @@
 
 #include "glissade/edges/concept.h"
 #include "glissade/edges/lane_run.h"
+#include "glissade/edges/two_view_observation.h"
 #include "glissade/graph/edge_lists.h"
 #include "glissade/graph/edge_plan.h"
 #include "glissade/graph/slot_map.h"
@@ -110,6 +111,8 @@ class EdgePoolBase {
   /// T_b_c that an edge carries, 7 numbers; null if it has none, or has it as a vertex
   /// (traits().extrinsic_vertex).
   [[nodiscard]] virtual const double* Extrinsic(int edge) const = 0;
+  /// What an edge that is a reprojection between ideal cameras has; false for other types.
+  virtual bool TwoView(int, TwoViewObservation*) const { return false; }
   /// Two edges on the same vertices that are one observation counted twice.
   [[nodiscard]] virtual bool IsDuplicate(int edge, int other) const = 0;
 

@@ -11,7 +11,9 @@ namespace glissade {
 /// all fixed too.
 struct EdgeEvaluation {
   std::string_view type;  ///< its name
-  int in_packs = 0;       ///< as many at once as a register has room for (base/pack.h)
+  /// As many at once as a register has room for (base/pack.h). With first estimates away from the
+  /// states, Jacobians of edges with FirstEstimateRule::kWhole are taken one by one all the same.
+  int in_packs = 0;
   int one_by_one = 0;
   /// Of both: on landmarks that are eliminated in groups of one host, poses as twists
   /// (structure/landmark_plan.h).

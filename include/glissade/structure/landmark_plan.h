@@ -26,10 +26,10 @@ struct LandmarkPair {
 struct LandmarkRun {
   std::int32_t pool = 0;
   std::int32_t pair = -1;  ///< -1: edges on the landmark alone
-  std::int32_t lanes = 0;  ///< rounded up
-  std::int32_t begin = 0;  ///< offset in edge_of_slot and landmark_of_slot
-  std::int32_t used = 0;   ///< up to the last lane that has an edge
-  bool has_holes = false;  ///< a lane before that has none
+  std::int32_t first = 0;  ///< lane of the group, a multiple of kLaneBlock
+  std::int32_t used = 0;   ///< after the last lane that has an edge
+  std::int32_t lanes = 0;  ///< from the first one on, rounded up
+  std::int32_t begin = 0;  ///< offset in edge_of_slot and what belongs to it
 };
 
 /// The landmarks of one host pose, sorted by falling number of edges so that targets, sorted

@@ -121,7 +121,7 @@ class Structure {
   [[nodiscard]] int max_w_size() const { return max_w_size_; }
 
   [[nodiscard]] int num_chunks() const { return num_chunks_; }
-  /// Fewer edges than that are one chunk.
+  /// Fewer edges than twice that are one chunk.
   static constexpr int kEdgesPerChunk = 1500;
   /// Landmarks of chunk c: [landmark_chunks()[c], landmark_chunks()[c + 1]).
   [[nodiscard]] const std::vector<std::int32_t>& landmark_chunks() const {
@@ -259,7 +259,7 @@ class Structure {
   };
   std::vector<GroupedLandmark> grouped_;
   std::vector<PoolKind> pool_kind_;
-  std::vector<std::int32_t> first_run_, next_run_, first_edge_, run_of_edge_, moved_pair_;
+  std::vector<std::int32_t> newest_run_, next_run_, first_edge_, run_of_edge_, moved_pair_;
   std::vector<double> distance_;  // of each pose from the center
   struct WeightedCoordinate {
     double value;

@@ -14,6 +14,9 @@
 
 #include "glissade/edges/concept.h"
 #include "glissade/edges/evaluate_in_packs.h"
+#include "glissade/lie/so3.h"
+#include "glissade/vertices/point_xyz.h"
+#include "glissade/vertices/pose.h"
 
 namespace glissade {
 
@@ -63,6 +66,10 @@ struct EdgeUnderTest {
   std::function<int(int landmark, int count, int lanes, const double* steps, double* packs,
                     double* single)>
       in_packs;
+  /// For an edge with a FirstEstimateRule of a relative pose or point, else empty: how vertices 0
+  /// and 1 move when everything is translated along and turned about the world's axes, by vertex
+  /// columns x 6, row-major, one after the other.
+  std::vector<double> motions;
 };
 
 JacobianCheck RunJacobianCheck(const EdgeUnderTest& edge, const JacobianCheckOptions& options);
@@ -180,6 +187,31 @@ struct JacobianChecker<E, Unit, VertexList<V...>> {
   }
   static bool IsFinite(double x) { return x - x == 0.0; }
 
+  /// See EdgeUnderTest::motions. Turns are about `center`.
+  static void AddMotion(const VertexPose& vertex, const Vector3& center,
+                        std::vector<double>* motions) {
+    const Vector3 lever = vertex.pose.p() - center;
+    const Matrix3 R = vertex.pose.R();
+    for (int row = 0; row < 6; ++row) {
+      for (int column = 0; column < 6; ++column) {
+        const int r = row % 3, c = column % 3;
+        if (row >= 3) {
+          motions->push_back(column < 3 ? 0.0 : R(c, r));
+        } else {
+          motions->push_back(column < 3 ? double(r == c) : -so3::Hat(lever)(r, c));
+        }
+      }
+    }
+  }
+  static void AddMotion(const VertexPointXYZ& vertex, const Vector3& center,
+                        std::vector<double>* motions) {
+    const Vector3 lever = vertex.p() - center;
+    for (int r = 0; r < 3; ++r) {
+      for (int column = 0; column < 6; ++column)
+        motions->push_back(column < 3 ? double(r == column) : -so3::Hat(lever)(r, column - 3));
+    }
+  }
+
   static JacobianCheck Run(const E& edge, const V&... vertices,
                            const JacobianCheckOptions& options = {}) {
     const std::tuple<V...> x(vertices...);
@@ -197,6 +229,12 @@ struct JacobianChecker<E, Unit, VertexList<V...>> {
         return InPacks(edge, x, landmark, count, lanes, steps, packs, single);
       };
     }
+    if constexpr (FirstEstimateRuleOf<E>() != FirstEstimateRule::kWhole) {
+      constexpr int kObserver = FirstEstimateRuleOf<E>() == FirstEstimateRule::kRelativePose;
+      const Vector3 center = std::get<kObserver>(x).pose.p();
+      AddMotion(std::get<0>(x), center, &test.motions);
+      AddMotion(std::get<1>(x), center, &test.motions);
+    }
     return RunJacobianCheck(test, options);
   }
 };
@@ -213,7 +251,9 @@ struct JacobianChecker<E, Unit, VertexList<V...>> {
 /// Jacobians are asked for, and each Jacobian the same whether or not the others are; each must
 /// equal central differences of the residual along the vertex's own Plus, extrapolated to step
 /// zero. An edge whose Evaluate is a template over its scalar is also evaluated in packs of this
-/// unit, edges with other measurements and landmarks beside it, and must be what it is alone.
+/// unit, edges with other measurements and landmarks beside it, and must be what it is alone. One
+/// that knows its vertices by a relative pose or point, as its kFirstEstimateRule says, must not
+/// see them move together.
 /// Choose a point where Evaluate returns true and that is no closer to a discontinuity of the
 /// residual (an angle of pi) than about 1e-6.
 template <EdgeType E,

@@ -76,12 +76,16 @@ void WhitenLanes(int rows, int cols, int lanes, const double* l, int per_lane, d
   }
 }
 
-double LaneSquares(int rows, int lanes, const double* r, double* squares) {
+double LaneSquares(int rows, int lanes, double scale, const double* mask, double* r,
+                   double* squares) {
   vd total = Zero();
   for (Index s = 0; s < lanes; s += kW) {
+    const vd factor = mask != nullptr ? Load(mask + s) * Splat(scale) : Splat(scale);
     vd sum = Zero();
     for (int k = 0; k < rows; ++k) {
-      const vd x = Load(r + static_cast<Index>(k) * lanes + s);
+      double* p = r + static_cast<Index>(k) * lanes + s;
+      const vd x = factor * Load(p);
+      Store(p, x);
       sum += x * x;
     }
     Store(squares + s, sum);
@@ -99,7 +103,9 @@ void CorrectLanes(int rows, int cols, int lanes, const double* r, const double* 
       vd projection = Zero();
       for (int k = 0; k < rows; ++k)
         projection += Load(r + k * n + s) * Load(J + (k * cols + c) * n + s);
-      projection *= Load(alpha_over_s + s);
+      // A product that overflows counts for nothing where there is no correction.
+      const vd alpha = Load(alpha_over_s + s);
+      projection = alpha != Zero() ? projection * alpha : Zero();
       for (int k = 0; k < rows; ++k) {
         double* x = J + (k * cols + c) * n + s;
         Store(x, Load(scale + s) * (Load(x) - projection * Load(r + k * n + s)));

@@ -16,6 +16,7 @@
 #include "kernels/impl/triangular_many.h"
 #include "kernels/impl/twist_blocks.h"
 #include "kernels/impl/twists.h"
+#include "kernels/impl/two_view.h"
 #include "kernels/impl/vector.h"
 #include "kernels/kernels.h"
 
@@ -66,6 +67,7 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .scale_lanes = ScaleLanes,
     .lane_products = LaneProducts,
     .lane_couplings = LaneCouplings,
+    .two_view_lanes = TwoViewLanes,
     .twist_sums = TwistSums,
     .twist_panel = TwistPanel,
     .twist_transpose_product = TwistTransposeProduct,

@@ -12,8 +12,7 @@
 namespace glissade::kernels {
 namespace {
 
-constexpr int kPairTerms = 27;  // 21 of H, 6 of g
-constexpr int kPairVectors = (kPairTerms + kW - 1) / kW * kW;
+constexpr int kUsedTwistSums = (27 + kW - 1) / kW * kW;
 
 /// [f; q] of one row in kW lanes; J: its six arrays.
 GLISSADE_INLINE void TwistRow(const TwistFrame& frame, const double* J, Index lanes, vd factor,
@@ -48,13 +47,14 @@ GLISSADE_INLINE void TwistRow(const TwistFrame& frame, const double* J, Index la
 
 /// kRows 0: the count is that of the run.
 template <int kRows>
-void TwistSumsFor(const TwistRun& run) {
+int TwistSumsFor(const TwistRun& run) {
   const int rows = kRows > 0 ? kRows : run.rows;
   const Index lanes = run.lanes;
-  vd sum[kPairVectors];
+  vd sum[kUsedTwistSums];
 #pragma GCC unroll 32
-  for (int i = 0; i < kPairVectors; ++i)
+  for (int i = 0; i < kUsedTwistSums; ++i)
     sum[i] = Zero();
+  vd poison = Zero();
 #pragma GCC unroll 1
   for (Index s = 0; s < lanes; s += kW) {
     const vd weight = run.weight != nullptr ? Load(run.weight + s) : Splat(1.0);
@@ -84,36 +84,28 @@ void TwistSumsFor(const TwistRun& run) {
       for (int i = 0; i < 6; ++i)
         sum[21 + i] += r * row[i];
     }
+    poison += Zero() * h;
     Store(run.h + s, Load(run.h + s) + h);
     Store(run.b + s, Load(run.b + s) + b);
 #pragma GCC unroll 6
     for (int i = 0; i < 6; ++i) {
       double* to = run.force + i * run.force_lanes + s;
-      Store(to, Load(to) + force[i]);
+      Store(to, run.sets_force ? force[i] : Load(to) + force[i]);
     }
   }
-  double totals[kPairVectors];
 #pragma GCC unroll 16
-  for (int i = 0; i < kPairVectors; i += kW)
-    Store(totals + i, SumEach(sum + i));
-  int term = 0;
-#pragma GCC unroll 6
-  for (int i = 0; i < 6; ++i) {
-#pragma GCC unroll 6
-    for (int m = 0; m < i; ++m, ++term) {
-      run.H[6 * i + m] += totals[term];
-      run.H[6 * m + i] += totals[term];
-    }
-    run.H[7 * i] += totals[term++];
+  for (int i = 0; i < kUsedTwistSums; i += kW) {
+    const vd total = SumEach(sum + i);
+    poison += Zero() * total;
+    Store(run.sums + i, Load(run.sums + i) + total);
   }
-#pragma GCC unroll 6
-  for (int i = 0; i < 6; ++i)
-    run.g[i] += totals[21 + i];
+  return Sum(poison) == 0.0 ? 1 : 0;
 }
 
 /// The landmarks' part alone.
-void LandmarkSums(const TwistRun& run) {
+int LandmarkSums(const TwistRun& run) {
   const Index lanes = run.lanes;
+  vd poison = Zero();
   for (Index s = 0; s < lanes; s += kW) {
     const vd weight = run.weight != nullptr ? Load(run.weight + s) : Splat(1.0);
     const vd factor = weight * Splat(run.scale);
@@ -124,19 +116,16 @@ void LandmarkSums(const TwistRun& run) {
       h += j * j;
       b -= j * r;
     }
+    poison += Zero() * (h + b);
     Store(run.h + s, h);
     Store(run.b + s, b);
   }
+  return Sum(poison) == 0.0 ? 1 : 0;
 }
 
-void TwistSums(const TwistRun* run) {
-  if (run->J == nullptr) {
-    LandmarkSums(*run);
-  } else if (run->rows == 2) {
-    TwistSumsFor<2>(*run);
-  } else {
-    TwistSumsFor<0>(*run);
-  }
+int TwistSums(const TwistRun* run) {
+  if (run->J == nullptr) return LandmarkSums(*run);
+  return run->rows == 2 ? TwistSumsFor<2>(*run) : TwistSumsFor<0>(*run);
 }
 
 /// One column of W per lane: [beta; host; target 0; target 1; ...], scaled. W is d b_pose /

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "glissade/graph/edge_pool_base.h"
+
+namespace glissade {
+
+/// A matrix of values in lanes: rows of the residual x cols; see kernels.h.
+struct LaneMatrix {
+  double* data = nullptr;
+  int cols = 0;
+};
+
+/// Information matrices and losses of runs of edges, as arrays; and what they do to the values of a
+/// run, whatever its edges are.
+class LaneWeights {
+ public:
+  /// Those of one run.
+  struct Run {
+    enum class Whitening : std::uint8_t { kIdentity, kScaled, kCommon, kPerLane };
+    enum class Robust : std::uint8_t { kNone, kHuber, kAny };
+    Whitening whitening = Whitening::kIdentity;
+    Robust robust = Robust::kNone;
+    std::int32_t rows = 0;
+    std::int32_t count = 0;  ///< lanes with an edge; those after them have zero values
+    std::int32_t lanes = 0;
+    std::int64_t root = 0;    ///< in numbers_: L, one or an array per entry
+    std::int64_t widths = 0;  ///< in numbers_, of Huber's losses
+  };
+  /// What is still to be multiplied with: J by scale, and then r and J by weight (null: 1).
+  struct Factors {
+    double scale = 1.0;
+    const double* weight = nullptr;
+  };
+  struct Scratch {
+    std::vector<double> work, squares, root, alpha, residual;
+    /// rows: of the largest residual.
+    void Resize(std::size_t lanes, std::size_t rows);
+  };
+
+  void Clear() { numbers_.clear(); }
+  Run Add(const EdgePoolBase& pool, const std::int32_t* edges, int rows, int count, int lanes);
+  /// Whitens r and adds the run's cost. J are whitened and corrected but for `factors`. mask: null,
+  /// or 0 where a lane does not count. Returns the first lane whose cost is not finite, or -1.
+  int Weigh(const Run& run, const EdgePoolBase& pool, const std::int32_t* edges, const double* mask,
+            double* r, std::span<const LaneMatrix> J, Scratch* scratch, double* cost,
+            Factors* factors) const;
+
+ private:
+  void AddLosses(const EdgePoolBase& pool, const std::int32_t* edges, Run* run);
+  int WeighOtherLoss(const Run& run, const EdgePoolBase& pool, const std::int32_t* edges,
+                     const double* mask, double* r, std::span<const LaneMatrix> J, Scratch* scratch,
+                     double* cost, Factors* factors) const;
+
+  std::vector<double> numbers_;
+};
+
+/// The first lane of which one of `count` numbers is not finite, or -1.
+int FindNotFiniteLane(int lanes, std::int64_t count, const double* x);
+
+}  // namespace glissade
