@@ -60,8 +60,11 @@ void ApiWalk::Solve() {
     Check(std::isfinite(it.lambda), "an iteration's lambda");
   }
   // A gauge prior has a cost of its own. Costs are of any order of magnitude, of rounding too: what
-  // they are held against comes from the same evaluation.
-  if (summary.ok() && options.gauge.kind != Gauge::Kind::kPrior) {
+  // they are held against must come from the same evaluation, and which landmarks are in groups may
+  // depend on the states.
+  const bool no_groups = std::ranges::all_of(
+      summary.edges, [](const EdgeEvaluation& edges) { return edges.as_twists == 0; });
+  if (summary.ok() && options.gauge.kind != Gauge::Kind::kPrior && no_groups) {
     Problem copy = problem.Clone();
     SolveOptions none = options;
     none.gauge = {};

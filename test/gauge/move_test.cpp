@@ -249,7 +249,8 @@ TEST(MoveToGauge, ChartsAndReferencesGoAlong) {
   const Pose held = problem.Get(scene.poses[4]).pose;
   ASSERT_TRUE(problem.Solve(Converge()).ok());
   EXPECT_NEAR(problem.Cost().value(), cost, 1e-9 * cost) << "still the optimum";
-  EXPECT_LT(std::abs(YawBetween(held, problem.Get(scene.poses[4]).pose)), 1e-12);
+  // What is left of a second convergence turns it, to second order.
+  EXPECT_LT(std::abs(YawBetween(held, problem.Get(scene.poses[4]).pose)), 1e-11);
   // The first pose was remembered as an anchor: slide away by another, and back without saying
   // where.
   ASSERT_TRUE(MoveToGauge(&problem, Gauge::Fixed{scene.poses[2], Elsewhere(12)}).ok());

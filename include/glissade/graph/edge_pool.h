@@ -197,8 +197,9 @@ class EdgePool final : public EdgePoolBase {
   }
 
   bool TwoView(int edge, TwoViewObservation* observation) const override {
-    if constexpr (requires(const E& e) {
-                    { e.TwoView() } -> std::same_as<TwoViewObservation>;
+    // Its own: one that derives from an edge that says so may have another Evaluate.
+    if constexpr (requires {
+                    { &E::TwoView } -> std::same_as<TwoViewObservation (E::*)() const>;
                   }) {
       *observation = At(edge).TwoView();
       return true;

@@ -222,6 +222,7 @@ struct JacobianChecker<E, Unit, VertexList<V...>> {
                        [&](int moved, int column, double t, unsigned wanted, double* r, double* J) {
                          return Evaluate(edge, x, moved, column, t, wanted, r, J);
                        },
+                       {},
                        {}};
     if constexpr (kEvaluatesInPacks<E>) {
       test.in_packs = [&](int landmark, int count, int lanes, const double* steps, double* packs,
