@@ -67,6 +67,8 @@ class TwistTerms {
                        const std::vector<double>& d);
 
  private:
+  /// Residual, and Jacobians by the landmark and by the target.
+  static constexpr int kColumns = 8;
   /// A part of a LandmarkRun whose values stay in the first-level cache.
   struct Segment {
     std::int32_t run = 0;
