@@ -38,6 +38,7 @@ struct TwistRun {
   const double* r;
   const double* J_l;     ///< by the landmark
   const double* J;       ///< by the target, rows x 6; null: edges on the landmark alone
+  bool two_views;        ///< J is u, v, 1/z and rho of two rows (kernels/two_view.h), frame turned
   double scale;          ///< multiplies J_l and J
   const double* weight;  ///< null: 1; else multiplies r, J_l and J, per lane
   const TwistFrame* frame;

@@ -5,7 +5,7 @@
 //
 // With camera poses (R, c) of host h and target t in the world, bearing b = (x, y, 1) and inverse
 // depth rho,
-//     q = R_t' R_h b + rho R_t' (c_h - c_t),   residual = q.xy / q.z - uv,
+//     q = R_t' R_h b + rho R_t' (c_h - c_t) = z (u, v, 1),   residual = (u, v) - uv,
 // which has a value at rho = 0 too. Its derivative by a motion of the target camera is given in
 // that camera's axes: with f = d residual / d q, by [position, rotation] it is [-rho f, f x q].
 
@@ -30,7 +30,8 @@ struct TwoViewRun {
   const TwoViewCamera* target;
   double* r;    ///< out: 2 x 1, as all in lanes (kernels.h)
   double* J_l;  ///< out: by rho, 2 x 1; null: not wanted, and neither is J
-  double* J;    ///< out: 2 x 6, by the target camera
+  double* J;    ///< out: 2 x 6, by the target camera; where `compact`, u, v, 1/z and rho instead
+  bool compact;
 };
 
 }  // namespace glissade::kernels

@@ -105,6 +105,10 @@ void TwistTerms::PackTwoViews(const EdgePoolBase& pool, const std::int32_t* edge
   segment->host_camera = FindExtrinsic(observation.T_b_host);
   segment->target_camera = FindExtrinsic(observation.T_b_target);
   segment->count = segment->lanes;
+  using Weights = LaneWeights::Run;
+  segment->compact = (segment->weights.whitening == Weights::Whitening::kIdentity ||
+                      segment->weights.whitening == Weights::Whitening::kScaled) &&
+                     segment->weights.robust != Weights::Robust::kAny;
   segment->uv = static_cast<std::int64_t>(uv_.size());
   uv_.resize(uv_.size() + 4 * Index(segment->lanes));
   double* const uv = uv_.data() + segment->uv;

@@ -122,6 +122,7 @@ void TwistTerms::EvaluateTwoViews(const LandmarkPlan& plan, const Graph& graph,
   lanes.r = values.r;
   lanes.J_l = values.J_l;
   lanes.J = values.J;
+  lanes.compact = segment.compact;
   kernels::Kernels().two_view_lanes(&lanes);
 }
 
@@ -135,6 +136,7 @@ TwistTerms::Values TwistTerms::Place(const Segment& segment, bool has_target, bo
   values.J_l = values.r + size;
   if (has_target) values.J = values.J_l + size;
   values.count = (has_target ? kColumns : 2) * size;
+  if (segment.compact) values.count = (2 + kTwoViewColumns) * size;
   return values;
 }
 
@@ -222,6 +224,7 @@ bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, in
       const LandmarkPair& pair = plan.pairs[Index(run.pair)];
       TwistSum& sum = chunk->pairs[Index(run.pair - group.pair_begin)];
       sums.J = values.J;
+      sums.two_views = segment.compact;
       sums.frame = &FrameOf(segment, pair.target.pose);
       sums.force = force_.data() + 6 * std::int64_t{pair.begin} + segment.lane;
       sums.force_lanes = pair.lanes;

@@ -69,6 +69,8 @@ class TwistTerms {
  private:
   /// Residual, and Jacobians by the landmark and by the target.
   static constexpr int kColumns = 8;
+  /// Of reprojections in compact form: four numbers for two rows.
+  static constexpr int kTwoViewColumns = 2;
   /// A part of a LandmarkRun whose values stay in the first-level cache.
   struct Segment {
     std::int32_t run = 0;
@@ -80,7 +82,8 @@ class TwistTerms {
     bool sets_force = false;  ///< the first of its target, for all lanes of it
     /// Reprojections between ideal cameras: cameras in the body, in extrinsics_. -1: others.
     std::int32_t host_camera = -1, target_camera = -1;
-    std::int64_t uv = 0;  ///< their measurements in uv_
+    std::int64_t uv = 0;   ///< their measurements in uv_
+    bool compact = false;  ///< their Jacobians need not be written out, as nothing changes them
     LaneWeights::Run weights;
   };
   /// 6 x 6 row-major with rows of 8.

@@ -159,6 +159,7 @@ TEST_P(TwistsTest, ProductsAreThoseOfThePanel) {
   constexpr int kLanes = 24, kTargets = 3, kRows = 7 + 6 * kTargets, kStride = 32;
   const int lanes[kTargets] = {24, 16, 8};
   std::vector<Guarded> force;
+  force.reserve(kTargets);
   TwistTarget targets[kTargets];
   for (int t = 0; t < kTargets; ++t) {
     force.push_back(Numbers(6 * lanes[t], random));

@@ -14,41 +14,119 @@ namespace {
 
 constexpr int kUsedTwistSums = (27 + kW - 1) / kW * kW;
 
-/// [f; q] of one row in kW lanes; J: its six arrays.
-GLISSADE_INLINE void TwistRow(const TwistFrame& frame, const double* J, Index lanes, vd factor,
+/// out = M x, 3 x 3 row-major.
+GLISSADE_INLINE void Rotate(const double* M, const vd (&x)[3], vd (&out)[3]) {
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i)
+    out[i] = Splat(M[3 * i]) * x[0] + (Splat(M[3 * i + 1]) * x[1] + Splat(M[3 * i + 2]) * x[2]);
+}
+
+/// [f; p x f - R b].
+GLISSADE_INLINE void TwistRow(const TwistFrame& frame, const vd (&f)[3], const vd (&b)[3],
                               vd (&row)[6]) {
-  vd a[3], b[3];
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) {
-    a[i] = factor * Load(J + i * lanes);
-    b[i] = factor * Load(J + (3 + i) * lanes);
-  }
-  if (frame.turned) {
-    const double* turn = frame.turn;
-    vd t[3];
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i)
-      t[i] = Splat(turn[3 * i]) * a[0] +
-             (Splat(turn[3 * i + 1]) * a[1] + Splat(turn[3 * i + 2]) * a[2]);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i)
-      a[i] = t[i];
-  }
-  const double* R = frame.R;
   const vd px = Splat(frame.p[0]), py = Splat(frame.p[1]), pz = Splat(frame.p[2]);
-  const vd moment[3] = {pz * a[1] - py * a[2], px * a[2] - pz * a[0], py * a[0] - px * a[1]};
+  vd Rb[3];
+  Rotate(frame.R, b, Rb);
+  row[0] = f[0];
+  row[1] = f[1];
+  row[2] = f[2];
+  row[3] = (py * f[2] - pz * f[1]) - Rb[0];
+  row[4] = (pz * f[0] - px * f[2]) - Rb[1];
+  row[5] = (px * f[1] - py * f[0]) - Rb[2];
+}
+
+/// [f; q] of the rows in kW lanes, from Jacobians. kRowCount 0: the count is that of the run.
+template <int kRowCount>
+struct RowsOfJacobian {
+  static constexpr int kRows = kRowCount;
+  const TwistRun& run;
+  Index s;
+  vd factor;
+
+  GLISSADE_INLINE RowsOfJacobian(const TwistRun& of, Index lane, vd by)
+      : run(of), s(lane), factor(by) {}
+  GLISSADE_INLINE void Get(int k, vd (&row)[6]) const {
+    const double* J = run.J + 6 * Index{k} * run.lanes + s;
+    vd a[3], b[3], f[3];
 #pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) {
-    row[i] = -a[i];
-    row[3 + i] = moment[i] - (Splat(R[3 * i]) * b[0] +
-                              (Splat(R[3 * i + 1]) * b[1] + Splat(R[3 * i + 2]) * b[2]));
+    for (int i = 0; i < 3; ++i) {
+      a[i] = -(factor * Load(J + i * run.lanes));
+      b[i] = factor * Load(J + (3 + i) * run.lanes);
+      f[i] = a[i];
+    }
+    if (run.frame->turned) Rotate(run.frame->turn, a, f);
+    TwistRow(*run.frame, f, b, row);
+  }
+};
+
+/// The same of reprojections, from what kernels/two_view.h gives of them: their rows have zeros,
+/// and turn and R of a camera's frame are the same.
+struct RowsOfTwoViews {
+  static constexpr int kRows = 2;
+  const TwistFrame& frame;
+  vd factor, u, v, g, t[3];
+
+  GLISSADE_INLINE RowsOfTwoViews(const TwistRun& run, Index s, vd by)
+      : frame(*run.frame), factor(by) {
+    const Index n = run.lanes;
+    u = Load(run.J + s);
+    v = Load(run.J + n + s);
+    g = factor * (Load(run.J + 2 * n + s) * Load(run.J + 3 * n + s));
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i)
+      t[i] = Splat(frame.R[3 * i + 2]) * g;
+  }
+  GLISSADE_INLINE void Get(int k, vd (&row)[6]) const {
+    const vd w = k == 0 ? u : v;
+    vd f[3];
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i)
+      f[i] = Splat(frame.R[3 * i + k]) * g - t[i] * w;
+    const vd uf = factor * u, vf = factor * v;
+    const vd first[3] = {uf * v, -(factor + uf * u), vf};
+    const vd second[3] = {factor + vf * v, -(uf * v), -uf};
+    TwistRow(frame, f, k == 0 ? first : second, row);
+  }
+};
+
+/// kCount rows in kW lanes, from row `first` on: their part of the sums. Each sum is taken up once
+/// for all of them, as there are not registers enough to keep them.
+template <int kCount, class Rows>
+GLISSADE_INLINE void AddRows(const TwistRun& run, const Rows& twists, int first, Index s, vd weight,
+                             vd factor, vd (&sum)[kUsedTwistSums], vd& h, vd& b, vd (&force)[6]) {
+  vd r[kCount], j[kCount], row[kCount][6];
+#pragma GCC unroll 2
+  for (int k = 0; k < kCount; ++k) {
+    const Index at = (first + k) * Index{run.lanes} + s;
+    r[k] = weight * Load(run.r + at);
+    j[k] = factor * Load(run.J_l + at);
+    h += j[k] * j[k];
+    b -= j[k] * r[k];
+    twists.Get(first + k, row[k]);
+  }
+  int term = 0;
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i) {
+#pragma GCC unroll 2
+    for (int k = 0; k < kCount; ++k)
+      force[i] += j[k] * row[k][i];
+#pragma GCC unroll 6
+    for (int m = 0; m <= i; ++m, ++term) {
+#pragma GCC unroll 2
+      for (int k = 0; k < kCount; ++k)
+        sum[term] += row[k][i] * row[k][m];
+    }
+  }
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i) {
+#pragma GCC unroll 2
+    for (int k = 0; k < kCount; ++k)
+      sum[21 + i] += r[k] * row[k][i];
   }
 }
 
-/// kRows 0: the count is that of the run.
-template <int kRows>
+template <class Rows>
 int TwistSumsFor(const TwistRun& run) {
-  const int rows = kRows > 0 ? kRows : run.rows;
   const Index lanes = run.lanes;
   vd sum[kUsedTwistSums];
 #pragma GCC unroll 32
@@ -59,30 +137,18 @@ int TwistSumsFor(const TwistRun& run) {
   for (Index s = 0; s < lanes; s += kW) {
     const vd weight = run.weight != nullptr ? Load(run.weight + s) : Splat(1.0);
     const vd factor = weight * Splat(run.scale);
+    const Rows twists(run, s, factor);
     vd h = Zero(), b = Zero();
     vd force[6];
 #pragma GCC unroll 6
     for (int i = 0; i < 6; ++i)
       force[i] = Zero();
-#pragma GCC unroll 4
-    for (int k = 0; k < rows; ++k) {
-      const vd r = weight * Load(run.r + k * lanes + s);
-      const vd j = factor * Load(run.J_l + k * lanes + s);
-      h += j * j;
-      b -= j * r;
-      vd row[6];
-      TwistRow(*run.frame, run.J + 6 * k * lanes + s, lanes, factor, row);
-      int term = 0;
-#pragma GCC unroll 6
-      for (int i = 0; i < 6; ++i) {
-        force[i] += j * row[i];
-#pragma GCC unroll 6
-        for (int m = 0; m <= i; ++m, ++term)
-          sum[term] += row[i] * row[m];
-      }
-#pragma GCC unroll 6
-      for (int i = 0; i < 6; ++i)
-        sum[21 + i] += r * row[i];
+    if (Rows::kRows == 2) {
+      AddRows<2>(run, twists, 0, s, weight, factor, sum, h, b, force);
+    } else {
+#pragma GCC unroll 1
+      for (int k = 0; k < run.rows; ++k)
+        AddRows<1>(run, twists, k, s, weight, factor, sum, h, b, force);
     }
     poison += Zero() * h;
     Store(run.h + s, Load(run.h + s) + h);
@@ -125,7 +191,9 @@ int LandmarkSums(const TwistRun& run) {
 
 int TwistSums(const TwistRun* run) {
   if (run->J == nullptr) return LandmarkSums(*run);
-  return run->rows == 2 ? TwistSumsFor<2>(*run) : TwistSumsFor<0>(*run);
+  if (run->two_views) return TwistSumsFor<RowsOfTwoViews>(*run);
+  return run->rows == 2 ? TwistSumsFor<RowsOfJacobian<2>>(*run)
+                        : TwistSumsFor<RowsOfJacobian<0>>(*run);
 }
 
 /// One column of W per lane: [beta; host; target 0; target 1; ...], scaled. W is d b_pose /

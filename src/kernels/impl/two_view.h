@@ -52,6 +52,13 @@ void TwoViewLanes(const TwoViewRun* run) {
     const vd fu = -(u * inverse_z), fv = -(v * inverse_z);
     Store(run->J_l + s, inverse_z * Splat(d[0]) + fu * Splat(d[2]));
     Store(run->J_l + n + s, inverse_z * Splat(d[1]) + fv * Splat(d[2]));
+    if (run->compact) {
+      const vd numbers[4] = {u, v, inverse_z, rho};
+#pragma GCC unroll 4
+      for (int k = 0; k < 4; ++k)
+        Store(run->J + k * n + s, numbers[k]);
+      continue;
+    }
     // f x q, in units of z where it cancels: q / z = (u, v, 1).
     const vd one = Splat(1.0);
     const vd minus_rho = -rho;
