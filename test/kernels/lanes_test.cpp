@@ -131,8 +131,7 @@ TEST_P(LanesTest, CorrectsJacobiansAndScalesResiduals) {
   Guarded J = Lanes(rows, cols, lanes, random);
   const Guarded scale = Lanes(1, 1, lanes, random), alpha = Lanes(1, 1, lanes, random);
   Guarded squares = Lanes(1, 1, lanes, random);
-  const double total =
-      k().lane_squares(rows, lanes, 1.0, nullptr, r.data(), squares.data());
+  const double total = k().lane_squares(rows, lanes, 1.0, nullptr, r.data(), squares.data());
   const Guarded J_before = J, r_before = r;
   k().correct_lanes(rows, cols, lanes, r.data(), scale.data(), alpha.data(), J.data());
   k().scale_lanes(rows, lanes, scale.data(), r.data());
