@@ -197,10 +197,8 @@ class EdgePool final : public EdgePoolBase {
   }
 
   bool TwoView(int edge, TwoViewObservation* observation) const override {
-    // Its own: one that derives from an edge that says so may have another Evaluate.
-    if constexpr (requires {
-                    { &E::TwoView } -> std::same_as<TwoViewObservation (E::*)() const>;
-                  }) {
+    // The library's own types only: these are equal within a run in all that is not measured.
+    if constexpr (internal::kLibraryEvaluates<E> && requires(const E& e) { e.TwoView(); }) {
       *observation = At(edge).TwoView();
       return true;
     } else {
