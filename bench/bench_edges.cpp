@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <map>
 #include <string>
@@ -27,22 +26,13 @@
 #include "glissade/losses/cauchy.h"
 #include "glissade/problem/problem.h"
 #include "support/two_view_edges.h"
+#include "timing.h"
 
 namespace {
 
 using namespace glissade;
-
-/// CPU time of this thread, milliseconds.
-double Now() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
-
-double Median(std::vector<double> x) {
-  std::sort(x.begin(), x.end());
-  return x.empty() ? NAN : x[x.size() / 2];
-}
+using bench::Median;
+using bench::ThreadSeconds;
 
 struct Observation {
   EdgeReprojection edge;
@@ -62,15 +52,6 @@ std::vector<Observation> ObservationsOf(const Problem& problem) {
     all.back().L << L[0], L[1], L[2], L[3];
   });
   return all;
-}
-
-template <class E>
-E Own(const EdgeReprojection& from) {
-  E edge;
-  edge.uv_host = from.uv_host;
-  edge.uv_target = from.uv_target;
-  edge.T_b_c = from.T_b_c;
-  return edge;
 }
 
 /// The window with each EdgeReprojection exchanged for what `make` makes of it.
@@ -149,9 +130,9 @@ SolveOptions EightSteps() {
 /// Milliseconds a step, accepted or not.
 double TimeOf(Problem* problem, const Snapshot& begin) {
   (void)problem->RestoreSnapshot(begin);
-  const double start = Now();
+  const double start = ThreadSeconds();
   const SolveSummary& summary = problem->Solve(EightSteps());
-  const double ms = Now() - start;
+  const double ms = 1e3 * (ThreadSeconds() - start);
   if (!summary.ok()) std::fprintf(stderr, "%s\n", summary.status.message().c_str());
   return ms / std::max(1, summary.accepted_steps + summary.rejected_steps);
 }
@@ -172,13 +153,13 @@ Row Against(const char* name, Make make, Loss loss = {}) {
 std::vector<Row> Rows() {
   std::vector<Row> rows;
   rows.push_back(Against("own edge, in packs", [](const EdgeReprojection& e) {
-    return std::pair(Own<test::ReprojectionInPacks>(e), 1.0);
+    return std::pair(test::CopyOf<test::ReprojectionInPacks>(e), 1.0);
   }));
   rows.push_back(Against("own edge, one at a time", [](const EdgeReprojection& e) {
-    return std::pair(Own<test::ReprojectionOneByOne>(e), 1.0);
+    return std::pair(test::CopyOf<test::ReprojectionOneByOne>(e), 1.0);
   }));
   rows.push_back(Against("own edge, no Jacobians", [](const EdgeReprojection& e) {
-    return std::pair(Own<test::ReprojectionResidual>(e), 1.0);
+    return std::pair(test::CopyOf<test::ReprojectionResidual>(e), 1.0);
   }));
   const auto stereo = [](const EdgeReprojection& e) {
     EdgeReprojectionStereo edge;
@@ -189,7 +170,7 @@ std::vector<Row> Rows() {
   };
   rows.push_back(Against("EdgeReprojectionStereo", stereo));
   rows.push_back(Against("EdgeReprojectionOf<CameraPinhole>", [](const EdgeReprojection& e) {
-    auto edge = Own<EdgeReprojectionOf<CameraPinhole>>(e);
+    auto edge = test::CopyOf<EdgeReprojectionOf<CameraPinhole>>(e);
     edge.camera = CameraPinhole{400.0, 400.0, 320.0, 240.0};
     edge.uv_target = Vector2(400.0 * e.uv_target[0] + 320.0, 400.0 * e.uv_target[1] + 240.0);
     return std::pair(edge, 400.0);

@@ -7,10 +7,8 @@
 //                                      without their absolute priors and with them
 //   bench_gauge --once FILE            one check from the last linearization: for callgrind
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 #include <vector>
 
@@ -19,23 +17,13 @@
 #include "glissade/io/viowin.h"
 #include "glissade/linear/instruction_set.h"
 #include "glissade/problem/problem.h"
+#include "timing.h"
 
 namespace {
 
 using namespace glissade;
-
-/// CPU time of this thread: what others do on the machine is not counted. Microseconds.
-double Now() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e6 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_nsec);
-}
-
-double Median(std::vector<double> x) {
-  if (x.empty()) return NAN;
-  std::sort(x.begin(), x.end());
-  return x[x.size() / 2];
-}
+using bench::Median;
+using bench::ThreadSeconds;
 
 void RemoveAbsolutePriors(Problem* problem) {
   for (const AnyEdge& edge : problem->Edges()) {
@@ -58,15 +46,15 @@ bool Measure(const ViowinWindow& window, WindowKind kind, bool priors, int round
   if (!problem.Solve({.max_iterations = 8}).ok()) return false;
   std::vector<double> last, fresh;
   for (int round = 0; round < rounds; ++round) {
-    double begin = Now();
+    double begin = ThreadSeconds();
     const auto report = problem.CheckNullspace();
-    last.push_back(Now() - begin);
+    last.push_back(1e6 * (ThreadSeconds() - begin));
     if (!report.ok()) return false;
     times->kappa = std::max(times->kappa, report->MaxKappa());
     times->edges += round == 0 ? report->edges.size() : 0;
-    begin = Now();
+    begin = ThreadSeconds();
     const auto again = CheckNullspace(static_cast<Graph*>(&problem));
-    fresh.push_back(Now() - begin);
+    fresh.push_back(1e6 * (ThreadSeconds() - begin));
     if (!again.ok()) return false;
   }
   times->last.push_back(Median(last));

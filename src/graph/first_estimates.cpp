@@ -161,7 +161,7 @@ Status Graph::SetFirstEstimates(FirstEstimates mode) {
     case FirstEstimates::kOff:
     case FirstEstimates::kPriorOnly:
     case FirstEstimates::kFull:
-      if (mode != first_estimates_) StructureChanged();  // another path may be right for some edges
+      if (mode != first_estimates_) StructureChanged();  // linear edges have no constant H in kOff
       first_estimates_ = mode;
       return {};
   }

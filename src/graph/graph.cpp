@@ -353,7 +353,7 @@ Status Graph::CheckLoss(AnyEdge edge, const Loss& loss) const {
 Status Graph::SetLoss(AnyEdge edge, const Loss& loss) {
   if (Status status = CheckLoss(edge, loss); !status.ok()) return Refused(std::move(status));
   const EdgeSite site = Locate(edge);
-  // Another kind of loss may send the edge another way (structure/reprojection_plan.h).
+  // What was linearized with another kind of loss is refused, as after a change of structure.
   if (site.pool->loss(site.index).type() != loss.type()) StructureChanged();
   site.pool->set_loss(site.index, loss);
   ++weights_version_;

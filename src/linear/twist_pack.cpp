@@ -17,6 +17,8 @@ std::size_t Index(std::int64_t i) {
 
 /// Values of so many edges stay in the first-level cache while they are used.
 constexpr std::int32_t kMaxSegment = 64;
+/// A camera is looked for among so many of its pose: a rig has a handful.
+constexpr int kMaxLookedAt = 16;
 
 }  // namespace
 
@@ -32,7 +34,8 @@ void TwistTerms::Pack(const Structure& structure, const Graph& graph) {
   segment_begin_.assign(1, 0);
   weights_.Clear();
   uv_.clear();
-  extrinsics_.clear();
+  cameras_.clear();
+  newest_camera_.clear();
   groups_.clear();
   targets_.clear();
   max_values_ = max_work_ = max_rows_ = 0;
@@ -51,7 +54,7 @@ void TwistTerms::Pack(const Structure& structure, const Graph& graph) {
     groups_.push_back(
         {group.lanes, pairs, targets_.data() + group.pair_begin, b_.data() + group.lane_begin});
     for (std::int32_t r = group.run_begin; r < group.run_end; ++r)
-      PackRun(plan, graph, r);
+      PackRun(plan, graph, group.host.pose, r);
     segment_begin_.push_back(static_cast<std::int32_t>(segments_.size()));
   }
   if (plan.empty()) return;
@@ -67,7 +70,8 @@ void TwistTerms::Pack(const Structure& structure, const Graph& graph) {
   }
 }
 
-void TwistTerms::PackRun(const LandmarkPlan& plan, const Graph& graph, std::int32_t index) {
+void TwistTerms::PackRun(const LandmarkPlan& plan, const Graph& graph, std::int32_t host,
+                         std::int32_t index) {
   const LandmarkRun& run = plan.runs[Index(index)];
   const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
   const int rows = pool.residual_dim(0);
@@ -89,7 +93,7 @@ void TwistTerms::PackRun(const LandmarkPlan& plan, const Graph& graph, std::int3
     segment.masked = std::find(mask, mask + segment.count, 0.0) != mask + segment.count;
     segment.weights = weights_.Add(pool, plan.edge_of_slot.data() + run.begin + first, rows,
                                    segment.count, segment.lanes);
-    PackTwoViews(pool, plan.edge_of_slot.data() + run.begin + first, &segment);
+    PackTwoViews(plan, pool, host, &segment);
     segments_.push_back(segment);
   }
   max_rows_ = std::max(max_rows_, Index(rows));
@@ -98,13 +102,15 @@ void TwistTerms::PackRun(const LandmarkPlan& plan, const Graph& graph, std::int3
   max_work_ = std::max(max_work_, Index(rows * (kColumns + 6)));
 }
 
-void TwistTerms::PackTwoViews(const EdgePoolBase& pool, const std::int32_t* edges,
+void TwistTerms::PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool, std::int32_t host,
                               Segment* segment) {
+  const LandmarkRun& run = plan.runs[Index(segment->run)];
+  const std::int32_t* edges = plan.edge_of_slot.data() + run.begin + segment->first;
   TwoViewObservation observation;
   if (!pool.TwoView(edges[0], &observation)) return;
-  segment->host_camera = FindExtrinsic(observation.T_b_host);
-  segment->target_camera = FindExtrinsic(observation.T_b_target);
-  segment->count = segment->lanes;
+  segment->host_camera = FindCamera(host, observation.T_b_host);
+  segment->target_camera =
+      FindCamera(plan.pairs[Index(run.pair)].target.pose, observation.T_b_target);
   using Weights = LaneWeights::Run;
   segment->compact = (segment->weights.whitening == Weights::Whitening::kIdentity ||
                       segment->weights.whitening == Weights::Whitening::kScaled) &&
@@ -121,14 +127,23 @@ void TwistTerms::PackTwoViews(const EdgePoolBase& pool, const std::int32_t* edge
   }
 }
 
-std::int32_t TwistTerms::FindExtrinsic(const double* T_b_c) {
-  // A rig has a handful of cameras; the last one found is the likeliest.
-  for (std::size_t k = extrinsics_.size(); k-- > 0;) {
-    if (std::equal(T_b_c, T_b_c + 7, extrinsics_[k].data)) return static_cast<std::int32_t>(k);
+// Cameras of one pose are chained, newest first. One that is not found among the newest is there
+// twice, which costs its update and nothing else.
+std::int32_t TwistTerms::FindCamera(std::int32_t pose, const double* T_b_c) {
+  if (newest_camera_.size() <= Index(pose)) newest_camera_.resize(Index(pose) + 1, -1);
+  std::int32_t& newest = newest_camera_[Index(pose)];
+  int looked_at = 0;
+  for (std::int32_t c = newest; c >= 0 && looked_at < kMaxLookedAt;
+       c = cameras_[Index(c)].next, ++looked_at) {
+    if (std::equal(T_b_c, T_b_c + 7, cameras_[Index(c)].T_b_c.data)) return c;
   }
-  extrinsics_.emplace_back();
-  std::copy_n(T_b_c, 7, extrinsics_.back().data);
-  return static_cast<std::int32_t>(extrinsics_.size() - 1);
+  Camera camera;
+  camera.pose = pose;
+  camera.next = newest;
+  std::copy_n(T_b_c, 7, camera.T_b_c.data);
+  newest = static_cast<std::int32_t>(cameras_.size());
+  cameras_.push_back(camera);
+  return newest;
 }
 
 std::int64_t TwistTerms::Edges(const Structure& structure, int pool) const {

@@ -28,21 +28,16 @@ void TwistTerms::UpdatePoses(const Structure& structure, const Graph& graph) {
   const LandmarkPlan& plan = structure.groups();
   if (plan.empty()) return;
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
-  num_poses_ = Index(poses.size());
-  cameras_.resize(extrinsics_.size() * num_poses_);
   const double* o = poses.Data(plan.center);
-  kernels::TwoViewCamera* out = cameras_.data();
-  for (const Pose& T_b_c : extrinsics_) {
-    for (int k = 0; k < poses.size(); ++k, ++out) {
-      // Taken from the center's position first: far from the world's origin the rest would lose
-      // its last digits to that distance.
-      Pose T_o_b = poses.At(k).pose;
-      for (int i = 0; i < 3; ++i)
-        T_o_b.data[i] -= o[i];
-      const Pose T_o_c = T_o_b * T_b_c;
-      Copy(T_o_c.R(), out->R_wc);
-      std::copy_n(T_o_c.data, 3, out->c);
-    }
+  for (Camera& camera : cameras_) {
+    // Taken from the center's position first: far from the world's origin the rest would lose its
+    // last digits to that distance.
+    Pose T_o_b = poses.At(camera.pose).pose;
+    for (int i = 0; i < 3; ++i)
+      T_o_b.data[i] -= o[i];
+    const Pose T_o_c = T_o_b * camera.T_b_c;
+    Copy(T_o_c.R(), camera.at.R_wc);
+    std::copy_n(T_o_c.data, 3, camera.at.c);
   }
 }
 
@@ -59,8 +54,7 @@ void TwistTerms::UpdateFrames(const Structure& structure, const Graph& graph) {
   // Moments are taken about a point among the poses, so that they do not grow with the distance
   // from the world's origin (LandmarkPlan::kMaxReach).
   const double* o = lin(plan.center);
-  frames_.resize(num_poses_);
-  camera_frames_.resize(cameras_.size());
+  frames_.resize(Index(poses.size()));
   for (int k = 0; k < poses.size(); ++k) {
     kernels::TwistFrame& frame = frames_[Index(k)];
     const double *x = poses.Data(k), *x_lin = lin(k);
@@ -70,17 +64,16 @@ void TwistTerms::UpdateFrames(const Structure& structure, const Graph& graph) {
       frame.p[i] = x_lin[i] - o[i];
     frame.turned = x != x_lin && !std::equal(x + 3, x + 7, x_lin + 3);
     if (frame.turned) Copy(R * RotationMatrix(x + 3).transpose(), frame.turn);
-    for (std::size_t c = 0; c < extrinsics_.size(); ++c) {
-      // Jacobians by the camera are in its own axes, to be turned to the world's.
-      kernels::TwistFrame& camera = camera_frames_[c * num_poses_ + Index(k)];
-      const Matrix3 R_w_c = R * extrinsics_[c].R();
-      Copy(R_w_c, camera.R);
-      Copy(R_w_c, camera.turn);
-      camera.turned = true;
-      const Vector3 lever = R * extrinsics_[c].p();
-      for (int i = 0; i < 3; ++i)
-        camera.p[i] = frame.p[i] + lever[i];
-    }
+  }
+  for (Camera& camera : cameras_) {
+    // Jacobians by the camera are in its own axes, to be turned to the world's.
+    const Matrix3 R = RotationMatrix(lin(camera.pose) + 3), R_w_c = R * camera.T_b_c.R();
+    Copy(R_w_c, camera.frame.R);
+    Copy(R_w_c, camera.frame.turn);
+    camera.frame.turned = true;
+    const Vector3 lever = R * camera.T_b_c.p();
+    for (int i = 0; i < 3; ++i)
+      camera.frame.p[i] = frames_[Index(camera.pose)].p[i] + lever[i];
   }
   for (std::size_t k = 0; k < maps_.size(); ++k) {
     const PoseBlock& block = structure.poses()[k];
@@ -100,25 +93,20 @@ void TwistTerms::UpdateFrames(const Structure& structure, const Graph& graph) {
 }
 
 const kernels::TwistFrame& TwistTerms::FrameOf(const Segment& segment, std::int32_t pose) const {
-  if (segment.target_camera < 0) return frames_[Index(pose)];
-  return camera_frames_[Index(segment.target_camera) * num_poses_ + Index(pose)];
+  return segment.target_camera < 0 ? frames_[Index(pose)]
+                                   : cameras_[Index(segment.target_camera)].frame;
 }
 
 void TwistTerms::EvaluateTwoViews(const LandmarkPlan& plan, const Graph& graph,
-                                  const LandmarkFrame& host, const Segment& segment,
-                                  const Values& values) const {
+                                  const Segment& segment, const Values& values) const {
   const LandmarkRun& run = plan.runs[Index(segment.run)];
-  const kernels::TwoViewCamera* host_cameras =
-      cameras_.data() + Index(segment.host_camera) * num_poses_;
-  const kernels::TwoViewCamera* target_cameras =
-      cameras_.data() + Index(segment.target_camera) * num_poses_;
   kernels::TwoViewRun lanes{};
   lanes.lanes = segment.lanes;
   lanes.uv = uv_.data() + segment.uv;
   lanes.depths = graph.Pool<VertexInverseDepth>()->Data(0);
   lanes.depth_of_lane = plan.landmark_of_slot.data() + run.begin + segment.first;
-  lanes.host = host_cameras + host.pose;
-  lanes.target = target_cameras + plan.pairs[Index(run.pair)].target.pose;
+  lanes.host = &cameras_[Index(segment.host_camera)].at;
+  lanes.target = &cameras_[Index(segment.target_camera)].at;
   lanes.r = values.r;
   lanes.J_l = values.J_l;
   lanes.J = values.J;
@@ -141,9 +129,24 @@ TwistTerms::Values TwistTerms::Place(const Segment& segment, bool has_target, bo
 }
 
 int TwistTerms::Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
-                         const Segment& segment, const Values& values, Chunk* chunk) const {
+                         const Segment& segment, const Values& values, Chunk* chunk, double* cost,
+                         LaneWeights::Factors* factors) const {
+  const int failed = EvaluateRaw(plan, graph, host, segment, values, chunk);
+  if (failed >= 0) return failed;
+  const LandmarkRun& run = plan.runs[Index(segment.run)];
+  const std::int32_t slot = run.begin + segment.first;
+  const LaneMatrix J[2] = {{values.J_l, 1}, {values.J, 6}};
+  const std::size_t matrices = values.J_l == nullptr ? 0 : (values.J == nullptr ? 1 : 2);
+  return weights_.Weigh(segment.weights, *graph.edge_pools()[Index(run.pool)],
+                        plan.edge_of_slot.data() + slot,
+                        segment.masked ? plan.mask_of_slot.data() + slot : nullptr, values.r,
+                        {J, matrices}, &chunk->weights, cost, factors);
+}
+
+int TwistTerms::EvaluateRaw(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
+                            const Segment& segment, const Values& values, Chunk* chunk) const {
   if (segment.host_camera >= 0) {
-    EvaluateTwoViews(plan, graph, host, segment, values);
+    EvaluateTwoViews(plan, graph, segment, values);
     return -1;
   }
   const LandmarkRun& run = plan.runs[Index(segment.run)];
@@ -198,18 +201,10 @@ bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, in
   for (std::int32_t k = segment_begin_[Index(index)]; k < segment_begin_[Index(index) + 1]; ++k) {
     const Segment& segment = segments_[Index(k)];
     const LandmarkRun& run = plan.runs[Index(segment.run)];
-    const EdgePoolBase& edges = *graph.edge_pools()[Index(run.pool)];
-    const std::int32_t* edge = plan.edge_of_slot.data() + run.begin + segment.first;
     const Values values = Place(segment, run.pair >= 0, true, chunk);
-    int failed = Evaluate(plan, graph, group.host, segment, values, chunk);
     LaneWeights::Factors factors;
-    if (failed < 0) {
-      const LaneMatrix J[2] = {{values.J_l, 1}, {values.J, 6}};
-      failed = weights_.Weigh(
-          segment.weights, edges, edge,
-          segment.masked ? plan.mask_of_slot.data() + run.begin + segment.first : nullptr, values.r,
-          {J, run.pair >= 0 ? 2u : 1u}, &chunk->weights, &sink->cost, &factors);
-    }
+    int failed = Evaluate(plan, graph, group.host, segment, values, chunk, &sink->cost, &factors);
+    if (failed >= 0) return Fail(plan, segment, failed, sink, pool);
     const std::int32_t lane = group.lane_begin + segment.lane;
     kernels::TwistRun sums{};
     sums.rows = segment.weights.rows;
@@ -232,15 +227,19 @@ bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, in
       sums.sums = sum.x;
     }
     // What is not finite in the values is not in the sums.
-    if (failed < 0 && kernel.twist_sums(&sums) == 0)
+    if (kernel.twist_sums(&sums) == 0)
       failed = FindNotFiniteLane(segment.lanes, values.count, values.r);
-    if (failed >= 0) {
-      *pool = run.pool;
-      sink->failed_edge = edge[failed];
-      return false;
-    }
+    if (failed >= 0) return Fail(plan, segment, failed, sink, pool);
   }
   return true;
+}
+
+bool TwistTerms::Fail(const LandmarkPlan& plan, const Segment& segment, int lane,
+                      NormalEquationsSink* sink, std::int32_t* pool) {
+  const LandmarkRun& run = plan.runs[Index(segment.run)];
+  *pool = run.pool;
+  sink->failed_edge = plan.edge_of_slot[Index(run.begin + segment.first + lane)];
+  return false;
 }
 
 // Sums of pairs: those of two frames go to H_pp, those of one to the frames'.
@@ -309,21 +308,12 @@ bool TwistTerms::Cost(const Structure& structure, const Graph& graph, int index,
   for (int g = plan.chunk_begin[Index(index)]; g < plan.chunk_begin[Index(index) + 1]; ++g) {
     for (std::int32_t k = segment_begin_[Index(g)]; k < segment_begin_[Index(g) + 1]; ++k) {
       const Segment& segment = segments_[Index(k)];
-      const LandmarkRun& run = plan.runs[Index(segment.run)];
-      const std::int32_t* edge = plan.edge_of_slot.data() + run.begin + segment.first;
-      const Values values = Place(segment, run.pair >= 0, false, chunk);
-      int failed = Evaluate(plan, graph, plan.groups[Index(g)].host, segment, values, chunk);
+      const bool has_target = plan.runs[Index(segment.run)].pair >= 0;
+      const Values values = Place(segment, has_target, false, chunk);
       LaneWeights::Factors factors;
-      if (failed < 0) {
-        failed = weights_.Weigh(
-            segment.weights, *graph.edge_pools()[Index(run.pool)], edge,
-            segment.masked ? plan.mask_of_slot.data() + run.begin + segment.first : nullptr,
-            values.r, {}, &chunk->weights, &sink->cost, &factors);
-      }
-      if (failed < 0) continue;
-      *pool = run.pool;
-      sink->failed_edge = edge[failed];
-      return false;
+      const int failed = Evaluate(plan, graph, plan.groups[Index(g)].host, segment, values, chunk,
+                                  &sink->cost, &factors);
+      if (failed >= 0) return Fail(plan, segment, failed, sink, pool);
     }
   }
   return true;

@@ -80,7 +80,7 @@ class TwistTerms {
     std::int32_t count = 0;   ///< lanes that are evaluated
     bool masked = false;      ///< some of these repeat others
     bool sets_force = false;  ///< the first of its target, for all lanes of it
-    /// Reprojections between ideal cameras: cameras in the body, in extrinsics_. -1: others.
+    /// Reprojections between ideal cameras: these, in cameras_. -1: others.
     std::int32_t host_camera = -1, target_camera = -1;
     std::int64_t uv = 0;   ///< their measurements in uv_
     bool compact = false;  ///< their Jacobians need not be written out, as nothing changes them
@@ -118,6 +118,14 @@ class TwistTerms {
     std::vector<TwistSum> pairs, frames;
     std::vector<double> panel, reduced, blocks, twist_rhs, twists, product, sums;
   };
+  /// A camera on a pose.
+  struct Camera {
+    std::int32_t pose = -1;  ///< dense index
+    std::int32_t next = -1;  ///< the one of that pose before it
+    Pose T_b_c;
+    kernels::TwoViewCamera at;
+    kernels::TwistFrame frame;
+  };
   /// Where the values of a segment are.
   struct Values {
     double* r = nullptr;
@@ -126,21 +134,29 @@ class TwistTerms {
     std::int64_t count = 0;  ///< numbers, from r on
   };
 
-  void PackRun(const LandmarkPlan& plan, const Graph& graph, std::int32_t run);
-  void PackTwoViews(const EdgePoolBase& pool, const std::int32_t* edges, Segment* segment);
-  std::int32_t FindExtrinsic(const double* T_b_c);
-  void UpdateCameras(const VertexPool<VertexPose>& poses, std::int32_t center);
+  void PackRun(const LandmarkPlan& plan, const Graph& graph, std::int32_t host, std::int32_t run);
+  void PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool, std::int32_t host,
+                    Segment* segment);
+  std::int32_t FindCamera(std::int32_t pose, const double* T_b_c);
   [[nodiscard]] const kernels::TwistFrame& FrameOf(const Segment& segment, std::int32_t pose) const;
   bool LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, int group,
                       NormalEquationsSink* sink, Chunk* chunk, std::int32_t* pool);
   void AddGroup(const Structure& structure, int group, double* h_pp, Chunk* chunk);
   void AddFrames(const Structure& structure, const Chunk& chunk, double* h_pp, double* b_p) const;
   static Values Place(const Segment& segment, bool has_target, bool jacobians, Chunk* chunk);
-  /// Raw values; returns the first lane without one, or -1.
+  /// Values weighed but for `factors`, and their cost. Returns the first lane without a finite one,
+  /// or -1.
   int Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
-               const Segment& segment, const Values& values, Chunk* chunk) const;
-  void EvaluateTwoViews(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
-                        const Segment& segment, const Values& values) const;
+               const Segment& segment, const Values& values, Chunk* chunk, double* cost,
+               LaneWeights::Factors* factors) const;
+  /// As they are; returns the first lane without one, or -1.
+  int EvaluateRaw(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
+                  const Segment& segment, const Values& values, Chunk* chunk) const;
+  void EvaluateTwoViews(const LandmarkPlan& plan, const Graph& graph, const Segment& segment,
+                        const Values& values) const;
+  /// Tells whose value it is.
+  static bool Fail(const LandmarkPlan& plan, const Segment& segment, int lane,
+                   NormalEquationsSink* sink, std::int32_t* pool);
   void ProjectMaps(const Structure& structure, const Graph& graph);
   void AddRhs(const Structure& structure, std::int32_t block, double* b_s) const;
   void FillTwists(const Structure& structure, const double* x, int group, Chunk* chunk) const;
@@ -156,13 +172,11 @@ class TwistTerms {
   std::size_t max_values_ = 0, max_work_ = 0, max_rows_ = 0;
   std::vector<std::uint8_t> has_run_, force_is_set_;  // by pair
   std::vector<double> uv_;
-  std::vector<Pose> extrinsics_;  // all different
-  std::size_t num_poses_ = 0;
-  // Of all poses, by dense index; of cameras and their frames: for each extrinsic.
-  std::vector<kernels::TwistFrame> frames_, camera_frames_;
-  std::vector<kernels::TwoViewCamera> cameras_;
-  std::vector<Map> maps_;            // T per pose block
-  std::vector<Map> projected_maps_;  // T P
+  std::vector<Camera> cameras_;              // those that two views are seen by
+  std::vector<std::int32_t> newest_camera_;  // of each pose, -1: none
+  std::vector<kernels::TwistFrame> frames_;  // of each pose
+  std::vector<Map> maps_;                    // T per pose block
+  std::vector<Map> projected_maps_;          // T P
   std::vector<Chunk> chunks_;
 };
 

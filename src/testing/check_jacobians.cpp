@@ -142,6 +142,7 @@ class Checker {
     if (edge_.motions.empty()) return true;
     const double* J_1 = J_.data() + rows_ * Columns(0);
     const double* motion_1 = edge_.motions.data() + 6 * Columns(0);
+    const double scale = MaxAbs(J_.data(), J_.size());
     for (std::size_t row = 0; row < rows_; ++row) {
       for (std::size_t axis = 0; axis < 6; ++axis) {
         double change[2] = {};
@@ -149,7 +150,6 @@ class Checker {
           change[0] += J_[row * Columns(0) + c] * edge_.motions[6 * c + axis];
         for (std::size_t c = 0; c < Columns(1); ++c)
           change[1] += J_1[row * Columns(1) + c] * motion_1[6 * c + axis];
-        const double scale = MaxAbs(J_.data(), J_.size());
         if (std::abs(change[0] + change[1]) <= 1e-9 * (scale + std::abs(change[0]))) continue;
         return Fail(std::string("kFirstEstimateRule says that vertices 0 and 1 enter by their ") +
                     "relative pose or point alone, but residual " + std::to_string(row) +

@@ -69,14 +69,6 @@ class Builder {
     if (loss > 0.9) options.loss = Cauchy{2.0};
     EXPECT_TRUE(graph_.AddEdge(edge, {poses_[host], poses_[target], depth}, options).ok());
   }
-  template <class E>
-  E Own(const EdgeReprojection& from) {
-    E edge;
-    edge.uv_host = from.uv_host;
-    edge.uv_target = from.uv_target;
-    edge.T_b_c = from.T_b_c;
-    return edge;
-  }
 
   void AddLandmark(Kind kind, std::size_t host) {
     const VertexHandle<VertexInverseDepth> depth =
@@ -112,11 +104,11 @@ class Builder {
               VertexHandle<VertexInverseDepth> depth) {
     switch (kind) {
       case Kind::kOneByOne:
-        return Add(Own<ReprojectionOneByOne>(edge), host, target, depth);
+        return Add(test::CopyOf<ReprojectionOneByOne>(edge), host, target, depth);
       case Kind::kInPacks:
-        return Add(Own<ReprojectionInPacks>(edge), host, target, depth);
+        return Add(test::CopyOf<ReprojectionInPacks>(edge), host, target, depth);
       case Kind::kResidual:
-        return Add(Own<ReprojectionResidual>(edge), host, target, depth);
+        return Add(test::CopyOf<ReprojectionResidual>(edge), host, target, depth);
       case Kind::kPinhole: {
         EdgeReprojectionOf<CameraPinhole> pinhole;
         pinhole.camera = CameraPinhole{400.0, 410.0, 320.0, 240.0};
@@ -197,6 +189,40 @@ INSTANTIATE_TEST_SUITE_P(Kinds, LandmarkGroups,
                                          Kind::kBuiltIn, Kind::kPinhole, Kind::kStereo,
                                          Kind::kMixed),
                          [](const auto& param) { return Name(param.param); });
+
+/// A stereo edge of a user's that says what the library's says of itself; with another camera in
+/// each, and fewer of them than a block has lanes.
+struct StereoOfAUser {
+  using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth>;
+  static constexpr int kResidualDim = 2;
+  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
+  EdgeReprojectionStereo edge;
+
+  [[nodiscard]] TwoViewObservation TwoView() const { return edge.TwoView(); }
+  bool Evaluate(const VertexPose& host, const VertexPose& target, const VertexInverseDepth& depth,
+                Vector2& r, Jacobian<2, 6>* d_host, Jacobian<2, 6>* d_target,
+                Jacobian<2, 1>* d_rho) const {
+    return edge.Evaluate(host, target, depth, r, d_host, d_target, d_rho);
+  }
+};
+
+TEST(LandmarkGroups, TwoViewsOfAUserAreEvaluatedByHisEdgeOnceEach) {
+  Graph graph;
+  const auto host = graph.AddVertex(VertexPose{});
+  const auto target = graph.AddVertex(VertexPose{Pose(Quaternion::Identity(), Vector3(1, 0, 0))});
+  EXPECT_TRUE(graph.AddEdge(EdgeSE3Prior{Pose()}, {host}).ok());
+  for (int k = 0; k < 5; ++k) {
+    StereoOfAUser own;
+    own.edge.uv_host = Vector2(0.02 * k, -0.1);
+    own.edge.uv_target = Vector2(-0.2 + 0.02 * k, -0.11);
+    own.edge.T_b_target.p() = Vector3(0.1 * k, 0.0, 0.0);
+    ASSERT_TRUE(graph.AddEdge(own, {host, target, graph.AddVertex(VertexInverseDepth{0.2})}).ok());
+  }
+  const DampingTerm damping{.lambda = 0.1};
+  test::PathOutcome groups(&graph, true, damping), single(&graph, false, damping);
+  EXPECT_EQ(groups.structure.groups().num_landmarks, 5);
+  test::ExpectSame(&groups, single, 1e-10);
+}
 
 // Each edge has a sensor of its own: neither lanes nor time may grow with the square of them.
 TEST(LandmarkGroups, SensorsWithoutEndTakeABlockEach) {

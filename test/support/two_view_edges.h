@@ -3,6 +3,7 @@
 #pragma once
 
 #include "glissade/edges/lanes.h"
+#include "glissade/edges/reprojection.h"
 #include "glissade/vertices/inverse_depth.h"
 #include "glissade/vertices/pose.h"
 #include "glissade/vertices/pose_view.h"
@@ -12,24 +13,33 @@
 /// (docs/own_edges.md). Each says by which relative pose it knows its poses.
 namespace glissade::test {
 
-/// What the three have in common.
+/// What the three have in common; they add no member to it, so that its SameSensor does for them.
 struct TwoViewData {
-  Vector2 uv_host = Vector2::Zero();
-  Vector2 uv_target = Vector2::Zero();
-  Pose T_b_c;
-};
-
-/// One at a time, with Eigen.
-struct ReprojectionOneByOne : TwoViewData {
   using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth>;
   static constexpr int kResidualDim = 2;
   static constexpr bool kIsObservation = true;
   static constexpr auto kScaleRule = ScaleRule::kRays;
   static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
 
-  [[nodiscard]] bool SameSensor(const ReprojectionOneByOne& other) const {
-    return T_b_c == other.T_b_c;
-  }
+  Vector2 uv_host = Vector2::Zero();
+  Vector2 uv_target = Vector2::Zero();
+  Pose T_b_c;
+
+  [[nodiscard]] bool SameSensor(const TwoViewData& other) const { return T_b_c == other.T_b_c; }
+};
+
+/// The same observation by another type of edge.
+template <class E>
+E CopyOf(const EdgeReprojection& from) {
+  E edge;
+  edge.uv_host = from.uv_host;
+  edge.uv_target = from.uv_target;
+  edge.T_b_c = from.T_b_c;
+  return edge;
+}
+
+/// One at a time, with Eigen.
+struct ReprojectionOneByOne : TwoViewData {
   bool Evaluate(const VertexPose& host, const VertexPose& target, const VertexInverseDepth& depth,
                 Vector2& r, Jacobian<2, 6>* d_host, Jacobian<2, 6>* d_target,
                 Jacobian<2, 1>* d_rho) const {
@@ -76,17 +86,9 @@ struct TwoViewPack {
 
 /// In packs.
 struct ReprojectionInPacks : TwoViewData {
-  using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth>;
-  static constexpr int kResidualDim = 2;
-  static constexpr bool kIsObservation = true;
-  static constexpr auto kScaleRule = ScaleRule::kRays;
-  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
   static constexpr auto kLanes =
       Fields(&ReprojectionInPacks::uv_host, &ReprojectionInPacks::uv_target);
 
-  [[nodiscard]] bool SameSensor(const ReprojectionInPacks& other) const {
-    return T_b_c == other.T_b_c;
-  }
   template <class T>
   bool Evaluate(const View<VertexPose, T>& host, const View<VertexPose, T>& target,
                 const View<VertexInverseDepth, T>& depth, const Vec<T, 2>& host_uv,
@@ -116,17 +118,9 @@ struct ReprojectionInPacks : TwoViewData {
 
 /// Without Jacobians.
 struct ReprojectionResidual : TwoViewData {
-  using Vertices = VertexList<VertexPose, VertexPose, VertexInverseDepth>;
-  static constexpr int kResidualDim = 2;
-  static constexpr bool kIsObservation = true;
-  static constexpr auto kScaleRule = ScaleRule::kRays;
-  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;
   static constexpr auto kLanes =
       Fields(&ReprojectionResidual::uv_host, &ReprojectionResidual::uv_target);
 
-  [[nodiscard]] bool SameSensor(const ReprojectionResidual& other) const {
-    return T_b_c == other.T_b_c;
-  }
   template <class T>
   bool Evaluate(const View<VertexPose, T>& host, const View<VertexPose, T>& target,
                 const View<VertexInverseDepth, T>& depth, const Vec<T, 2>& host_uv,
