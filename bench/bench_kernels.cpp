@@ -160,25 +160,8 @@ void Syrk(benchmark::State& state, const KernelTable* table, int n, int depth) {
   Flops(state, 1.0 * n * n * depth);
 }
 
-/// What the generic Schur complement does with fixed-size Eigen blocks.
-template <int kDim, int kDl>
-void EigenSchurUpdate(const SchurLandmark& landmark, Eigen::Map<Eigen::MatrixXd>& s,
-                      Eigen::VectorXd& b_s) {
-  using Block = Eigen::Matrix<double, kDim, kDl, kDl == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
-  const Eigen::Map<const Eigen::Matrix<double, kDl, kDl>> inverse(landmark.inverse);
-  const Eigen::Map<const Eigen::Matrix<double, kDl, 1>> b_l(landmark.b);
-  const int32_t* row = landmark.row;
-  for (int a = 0; a < landmark.blocks; ++a) {
-    const Block ya = Eigen::Map<const Block>(landmark.w + a * kDim * kDl) * inverse;
-    for (int b = 0; b <= a; ++b) {
-      const Eigen::Map<const Block> wb(landmark.w + b * kDim * kDl);
-      s.template block<kDim, kDim>(row[a], row[b]).noalias() -= ya * wb.transpose();
-    }
-    b_s.template segment<kDim>(row[a]).noalias() -= ya * b_l;
-  }
-}
-
-/// 64 landmarks, each seen by m of 49 cameras; every `stride`-th camera (1: neighbours).
+/// 64 landmarks, each seen by m of 49 cameras; every `stride`-th camera (1: neighbours). Eigen
+/// subtracts landmark by landmark, the kernels block by block.
 template <int kDim, int kDl>
 void Schur(benchmark::State& state, const KernelTable* table, int m, int stride) {
   constexpr int kCameras = 49;
@@ -187,37 +170,63 @@ void Schur(benchmark::State& state, const KernelTable* table, int m, int stride)
   const int ld = Padded(n);
   Buffer s(Size(ld, n));
   Eigen::Map<Eigen::MatrixXd> map(s.data(), ld, n);
-  const size_t m_size = static_cast<size_t>(m);
-  std::vector<int32_t> camera(kLandmarks * m_size), row(camera.size());
-  const std::vector<int32_t> dim(m_size, kDim);
+  const auto camera = [&](int l, int a) {
+    return (l * 17) % (kCameras - (m - 1) * stride) + a * stride;
+  };
+  std::vector<int32_t> slot;
+  std::vector<uint16_t> landmark_of_slot;
   for (int l = 0; l < kLandmarks; ++l) {
-    const int first = (l * 17) % (kCameras - (m - 1) * stride);
     for (int a = 0; a < m; ++a) {
-      const size_t at = static_cast<size_t>(l * m + a);
-      camera[at] = first + a * stride;
-      row[at] = camera[at] * kDim;
+      slot.push_back((l * m + a) * kDim * kDl);
+      landmark_of_slot.push_back(static_cast<uint16_t>(l));
     }
   }
-  // S in its dense form.
-  std::vector<int64_t> column;
-  for (int c = 0; c < kCameras; ++c)
-    column.push_back(int64_t{c} * kDim * ld);
-  const std::vector<int32_t> strides(kCameras, ld);
-  const Eigen::VectorXd w = Eigen::VectorXd::Random(m * kDim * kDl);
-  const Eigen::Matrix<double, kDl, kDl> inverse = Eigen::Matrix<double, kDl, kDl>::Identity();
-  const Eigen::Matrix<double, kDl, 1> b_l = Eigen::Matrix<double, kDl, 1>::Ones();
+  std::vector<SchurBlock> blocks;
+  std::vector<SlotPair> pairs;
+  for (int c = 0; c < kCameras; ++c) {
+    for (int r = c; r < kCameras; ++r) {
+      SchurBlock block{(int64_t{c} * ld + r) * kDim,
+                       ld,
+                       r == c ? r * kDim : -1,
+                       static_cast<int32_t>(pairs.size()),
+                       0,
+                       c,
+                       kDim,
+                       kDim};
+      for (int l = 0; l < kLandmarks; ++l) {
+        for (int a = 0; a < m; ++a) {
+          for (int b = 0; b <= a; ++b) {
+            if (camera(l, a) == r && camera(l, b) == c)
+              pairs.push_back({static_cast<uint16_t>(l * m + a), static_cast<uint16_t>(l * m + b)});
+          }
+        }
+      }
+      block.pair_end = static_cast<int32_t>(pairs.size());
+      if (block.pair_end > block.pair_begin) blocks.push_back(block);
+    }
+  }
+  Buffer z(slot.size() * kDim * kDl + 8), beta(Size(kLandmarks, kDl));
+  for (std::size_t k = 0; k < z.size(); ++k)
+    z.data()[k] = static_cast<double>(k % 13) / 13.0;
   Eigen::VectorXd b_s = Eigen::VectorXd::Zero(n);
-  Buffer scratch(static_cast<size_t>(SchurScratch(m * kDim)));
-  const SchurTarget target{s.data(), b_s.data(), column.data(), strides.data()};
+  const SchurPanel panel{kDl,         kDim,        z.data(), slot.data(), landmark_of_slot.data(),
+                         beta.data(), pairs.data()};
+  using Block = Eigen::Matrix<double, kDim, kDl>;
   for (auto _ : state) {
-    for (int l = 0; l < kLandmarks; ++l) {
-      const size_t first = static_cast<size_t>(l * m);
-      const SchurLandmark landmark{m,          kDl,      &camera[first], &row[first],
-                                   dim.data(), w.data(), inverse.data(), b_l.data()};
-      if (table != nullptr) {
-        table->schur_update(&landmark, {landmark.row, false}, 0, m, &target, scratch.data());
-      } else {
-        EigenSchurUpdate<kDim, kDl>(landmark, map, b_s);
+    if (table != nullptr) {
+      table->schur_blocks(&panel, static_cast<int64_t>(blocks.size()), blocks.data(), s.data(),
+                          b_s.data());
+    }
+    for (int l = 0; l < kLandmarks && table == nullptr; ++l) {
+      const Eigen::Map<const Eigen::Matrix<double, kDl, 1>> beta_l(beta.data() + l * kDl);
+      for (int a = 0; a < m; ++a) {
+        const Eigen::Map<const Block> za(z.data() + (l * m + a) * kDim * kDl);
+        for (int b = 0; b <= a; ++b) {
+          const Eigen::Map<const Block> zb(z.data() + (l * m + b) * kDim * kDl);
+          map.block<kDim, kDim>(camera(l, a) * kDim, camera(l, b) * kDim).noalias() -=
+              za * zb.transpose();
+        }
+        b_s.segment<kDim>(camera(l, a) * kDim).noalias() -= za * beta_l;
       }
     }
     benchmark::ClobberMemory();
@@ -225,18 +234,18 @@ void Schur(benchmark::State& state, const KernelTable* table, int m, int stride)
   Flops(state, kLandmarks * 1.0 * m * (m + 1) * kDim * kDim * kDl);
 }
 
-void InvertSmall(benchmark::State& state, const KernelTable* table) {
+void InverseFactor(benchmark::State& state, const KernelTable* table) {
   const double h[9] = {4.0, 1.0, 0.5, 1.0, 3.0, 0.2, 0.5, 0.2, 2.0};
   double x[9];
   for (auto _ : state) {
     std::memcpy(x, h, sizeof(h));
     if (table != nullptr) {
-      benchmark::DoNotOptimize(table->invert_spd_small(3, x));
+      benchmark::DoNotOptimize(table->inverse_factor(3, x));
     } else {
       Eigen::Map<Eigen::Matrix3d> map(x);
-      const Eigen::Matrix3d inverse =
-          map.selfadjointView<Eigen::Lower>().llt().solve(Eigen::Matrix3d::Identity());
-      map = inverse;
+      const Eigen::Matrix3d factor =
+          map.selfadjointView<Eigen::Lower>().llt().matrixL().solve(Eigen::Matrix3d::Identity());
+      map = factor;
     }
     benchmark::DoNotOptimize(x);
   }
@@ -276,7 +285,7 @@ void RegisterAll() {
     Register("schur_9x3" + tail, [=](State& s, Table t) { Schur<9, 3>(s, t, 6, stride); });
     Register("schur_15x1" + tail, [=](State& s, Table t) { Schur<15, 1>(s, t, 6, stride); });
   }
-  Register("invert_spd_small/3", InvertSmall);
+  Register("inverse_factor/3", InverseFactor);
 }
 
 }  // namespace

@@ -101,11 +101,11 @@ struct KernelTable {
 
   // ---- Landmark elimination ---------------------------------------------------------------------
 
-  /// One landmark's part of the Schur complement in block columns [begin, end) of its vertices:
-  ///   S(a, c) -= W_a H_ll^-1 W_c'   for all a >= c,    b(c) -= W_c H_ll^-1 b_l.
-  /// Diagonal blocks are updated whole. scratch: SchurScratch() numbers.
-  void (*schur_update)(const SchurLandmark* landmark, SchurRows rows, int begin, int end,
-                       const SchurTarget* target, double* scratch);
+  /// Z = W C' of one landmark: block after block, each column-major; beta = C b_l.
+  void (*schur_panel)(const SchurLandmark* landmark, double* z, double* beta);
+  /// S -= Z Z' and b -= Z beta in `count` blocks, of diagonal ones whole.
+  void (*schur_blocks)(const SchurPanel* panel, int64_t count, const SchurBlock* blocks, double* s,
+                       double* b);
   /// y -= W H_ll^-1 W' x.
   void (*schur_multiply)(const SchurLandmark* landmark, const double* x, double* y);
   /// step = H_ll^-1 (b_l - W' x), dl numbers.
@@ -136,10 +136,14 @@ struct KernelTable {
   /// both triangles are written.
   void (*lane_products)(int rows, int lanes, int dim_a, const double* a, int dim_b, const double* b,
                         double alpha, double* out);
-  /// For each of the first `count` lanes: base[offset[lane] ...] (dim_a x dim_b, row-major) +=
-  /// alpha a'b, summed over its rows; dim_b is 1 to 4. Offsets of different lanes may be the same.
+  /// For each of the first `count` lanes: base[offset[lane] ...] (dim_a x dim_b, row-major) += a'b,
+  /// summed over its rows, or = where `sets`; dim_b is 1 to 4. Adds to offsets that are the same,
+  /// too.
   void (*lane_couplings)(int rows, int lanes, int count, int dim_a, const double* a, int dim_b,
-                         const double* b, double alpha, const int64_t* offset, double* base);
+                         const double* b, const int64_t* offset, bool sets, double* base);
+  /// The same with [J'J | -J'r], J rows x dl, dl 1 to 4: H_ll and b_l.
+  void (*lane_landmarks)(int rows, int lanes, int count, int dl, const double* J, const double* r,
+                         const int64_t* offset, double* base);
 
   // ---- Landmarks of one host, poses as twists (kernels/twists.h) -------------------------------
 
@@ -174,10 +178,10 @@ struct KernelTable {
   void (*map_block)(double alpha, const double* ti, const double* b, int ldb, const double* tj,
                     double* out, int row_stride, int col_stride);
 
-  /// Inverts a symmetric positive definite matrix of size n (1 to 4) in place, row-major, full
-  /// (only the lower triangle is read, both are written).
-  /// Returns 0, or 1 when it is not positive definite or not finite; h is then unchanged.
-  int (*invert_spd_small)(int n, double* h);
+  /// C, lower triangular, with H^-1 = C'C: in place of a symmetric positive definite matrix of
+  /// size n (1 to 4), row-major (only the lower triangle is read; zeros above C's diagonal).
+  /// Returns 0, or 1 when H is not positive definite or not finite; h is then unchanged.
+  int (*inverse_factor)(int n, double* h);
 };
 
 /// The table in use: chosen once, at the first call. It is the best one the CPU supports, or the

@@ -42,7 +42,7 @@ const std::vector<double>& NormalEquations::reduced_rhs() const {
   return schur_->rhs();
 }
 
-void NormalEquations::InvertLandmarks(const Structure& structure, const DampingTerm& damping,
+void NormalEquations::FactorLandmarks(const Structure& structure, const DampingTerm& damping,
                                       int chunk) {
   chunks_[Index(chunk)].failed_landmark = -1;
   for (int l = structure.landmark_chunks()[Index(chunk)];
@@ -50,11 +50,11 @@ void NormalEquations::InvertLandmarks(const Structure& structure, const DampingT
     const LandmarkBlock& landmark = structure.landmarks()[Index(l)];
     const int dim = landmark.dim;
     const double* H_ll = landmarks_.data() + landmark.record;
-    double* inverse = h_ll_inverse_.data() + inverse_begin_[Index(l)];
-    std::copy_n(H_ll, dim * dim, inverse);
+    double* factor = h_ll_factor_.data() + factor_begin_[Index(l)];
+    std::copy_n(H_ll, dim * dim, factor);
     for (int k = 0; k < dim && !damping.reduced_only; ++k)
-      inverse[k * dim + k] += damping.lambda * DampingOf(damping, H_ll[k * dim + k]);
-    if (kernels::Kernels().invert_spd_small(dim, inverse) != 0) {
+      factor[k * dim + k] += damping.lambda * DampingOf(damping, H_ll[k * dim + k]);
+    if (kernels::Kernels().inverse_factor(dim, factor) != 0) {
       chunks_[Index(chunk)].failed_landmark = l;
       return;
     }
@@ -128,24 +128,51 @@ void NormalEquations::StartColumns(const Structure& structure, const DampingTerm
   }
 }
 
-// Block columns [begin, end) of S -= W H_ll^-1 W', and what belongs to them of b_s. Landmarks come
-// in the same order whatever the range is, so that cutting the work differently changes no bit.
-void NormalEquations::ReduceColumns(const Structure& structure, std::int32_t begin,
-                                    std::int32_t end, double* scratch) {
-  const kernels::KernelTable& kernel = kernels::Kernels();
-  const kernels::SchurTarget target = schur_->Target();
-  const bool whole = begin == 0 && Index(end) == structure.poses().size();
-  for (std::size_t l = 0; l < structure.landmarks().size(); ++l) {
-    const LandmarkBlock& block = structure.landmarks()[l];
-    const std::int32_t* first = structure.slot_block().data() + block.slot_begin;
-    const std::int32_t* last = structure.slot_block().data() + block.slot_end;
-    if (first == last || first[0] >= end || last[-1] < begin) continue;
-    const auto from = whole ? first : std::lower_bound(first, last, begin);
-    const auto to = whole ? last : std::lower_bound(from, last, end);
-    const kernels::SchurLandmark landmark =
-        LandmarkOf(structure, block, landmarks_, h_ll_inverse_.data() + inverse_begin_[l]);
-    kernel.schur_update(&landmark, schur_->RowsOf(structure, l), static_cast<int>(from - first),
-                        static_cast<int>(to - first), &target, scratch);
+// Z and beta of a batch of landmarks.
+void NormalEquations::FillPanel(const Structure& structure, std::size_t batch, Panel* panel) const {
+  const SchurBatches& batches = schur_->batches();
+  // A vector that begins at the last number is read and written whole.
+  constexpr std::size_t kSpare = 8;
+  panel->z.resize(std::max(panel->z.size(), batches.max_z_size() + kSpare));
+  panel->beta.resize(std::max(panel->beta.size(), batches.max_beta_size()));
+  double *z = panel->z.data(), *beta = panel->beta.data();
+  for (std::int32_t l = batches[batch].landmark_begin; l < batches[batch].landmark_end; ++l) {
+    const LandmarkBlock& block = structure.landmarks()[Index(l)];
+    const double* factor = h_ll_factor_.data() + factor_begin_[Index(l)];
+    const kernels::SchurLandmark landmark = LandmarkOf(structure, block, landmarks_, factor);
+    kernels::Kernels().schur_panel(&landmark, z, beta);
+    for (std::int32_t s = block.slot_begin; s < block.slot_end; ++s)
+      z += structure.slot_dim()[Index(s)] * block.dim;
+    beta += block.dim;
+  }
+}
+
+// S -= W H_ll^-1 W', and what belongs to it of b_s. Tasks own block columns, so that nothing is
+// summed up afterwards; batches come in the same order whatever the columns, so that cutting the
+// work differently changes no bit. One thread takes a batch while its Z is in the cache.
+void NormalEquations::ReduceLandmarks(const Structure& structure,
+                                      const std::vector<std::int32_t>& cuts, ThreadPool* threads) {
+  constexpr std::size_t kPanels = 64;
+  const SchurBatches& batches = schur_->batches();
+  const int num_tasks = static_cast<int>(cuts.size()) - 1;
+  const std::size_t at_once =
+      std::min(batches.size(), threads->num_threads() == 1 ? std::size_t{1} : kPanels);
+  if (panels_.size() < at_once) panels_.resize(at_once);
+  for (std::size_t first = 0; first < batches.size(); first += at_once) {
+    const std::size_t count = std::min(at_once, batches.size() - first);
+    threads->Run(static_cast<int>(count),
+                 [&](int k) { FillPanel(structure, first + Index(k), &panels_[Index(k)]); });
+    threads->Run(num_tasks, [&](int task) {
+      for (std::size_t k = 0; k < count; ++k) {
+        const Panel& panel = panels_[k];
+        const kernels::SchurPanel view =
+            batches.Panel(first + k, panel.z.data(), panel.beta.data());
+        const auto [begin, end] =
+            batches.Blocks(first + k, cuts[Index(task)], cuts[Index(task) + 1]);
+        kernels::Kernels().schur_blocks(&view, end - begin, begin, schur_->data(),
+                                        schur_->rhs().data());
+      }
+    });
   }
 }
 
@@ -157,33 +184,27 @@ StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& 
   threads_ = threads;
   damping_ = damping;
   const std::size_t num_landmarks = structure.landmarks().size();
-  inverse_begin_.resize(num_landmarks);
+  factor_begin_.resize(num_landmarks);
   std::int64_t total = 0;
   for (std::size_t l = 0; l < num_landmarks; ++l) {
-    inverse_begin_[l] = total;
+    factor_begin_[l] = total;
     total += structure.landmarks()[l].dim * structure.landmarks()[l].dim;
   }
-  h_ll_inverse_.resize(Index(total));
+  h_ll_factor_.resize(Index(total));
 
   threads->Run(structure.num_chunks(), [&](int chunk) {
-    InvertLandmarks(structure, damping, chunk);
+    FactorLandmarks(structure, damping, chunk);
     chunks_[Index(chunk)].failed_lane = twists_->Eliminate(structure, damping, chunk);
   });
   if (StepFailure failure = CheckLandmarks(structure, graph); !failure.ok()) return failure;
 
-  // Tasks own block columns: nothing is summed up afterwards, and one thread takes them all at
-  // once.
   const int threads_used = num_landmarks > 0 ? threads->num_threads() : 1;
   const std::vector<std::int32_t>& cuts =
       schur_->CutColumns(structure, threads_used == 1 ? 1 : kTasksPerThread * threads_used);
-  const int num_tasks = static_cast<int>(cuts.size()) - 1;
-  scratch_.resize(std::max(scratch_.size(), Index(num_tasks)));
-  threads->Run(num_tasks, [&](int task) {
-    std::vector<double>& scratch = scratch_[Index(task)];
-    scratch.resize(Index(kernels::SchurScratch(structure.max_w_size())));
+  threads->Run(static_cast<int>(cuts.size()) - 1, [&](int task) {
     StartColumns(structure, damping, cuts[Index(task)], cuts[Index(task) + 1]);
-    ReduceColumns(structure, cuts[Index(task)], cuts[Index(task) + 1], scratch.data());
   });
+  ReduceLandmarks(structure, cuts, threads);
   twists_->AddReduced(structure, graph, threads, schur_->group_places(), schur_->data(),
                       schur_->rhs().data());
   return {};
@@ -218,7 +239,7 @@ StepFailure NormalEquations::Solve(const Structure& structure, const Graph& grap
          l < structure.landmark_chunks()[Index(chunk) + 1]; ++l) {
       const LandmarkBlock& block = structure.landmarks()[Index(l)];
       const kernels::SchurLandmark landmark =
-          LandmarkOf(structure, block, landmarks_, h_ll_inverse_.data() + inverse_begin_[Index(l)]);
+          LandmarkOf(structure, block, landmarks_, h_ll_factor_.data() + factor_begin_[Index(l)]);
       kernels::Kernels().landmark_step(&landmark, step_.data(),
                                        step_.data() + num_poses_scalars_ + block.step);
     }

@@ -50,7 +50,7 @@ void NormalEquations::MultiplyReduced(const double* x, double* y) {
          l < structure.landmark_chunks()[Index(chunk) + 1]; ++l) {
       const kernels::SchurLandmark landmark =
           LandmarkOf(structure, structure.landmarks()[Index(l)], landmarks_,
-                     h_ll_inverse_.data() + inverse_begin_[Index(l)]);
+                     h_ll_factor_.data() + factor_begin_[Index(l)]);
       kernels::Kernels().schur_multiply(&landmark, x, product.data());
     }
     twists_->SubtractProduct(structure, x, chunk, product.data());

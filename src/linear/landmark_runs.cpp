@@ -104,18 +104,16 @@ void LandmarkRuns::Accumulate(const Run& run, const Values& values,
   const double* J_l = values.J[run.landmark];
   const int dl = vertex[run.landmark].dim;
   const std::int64_t* record = record_.data() + run.lane_begin;
-  kernel.lane_couplings(run.rows, run.lanes, run.count, dl, J_l, dl, J_l, 1.0, record,
-                        sink->landmarks);
-  kernel.lane_couplings(run.rows, run.lanes, run.count, dl, J_l, 1, values.r, -1.0, record,
-                        sink->landmarks + dl * dl);
+  kernel.lane_landmarks(run.rows, run.lanes, run.count, dl, J_l, values.r, record, sink->landmarks);
   for (int i = 0; i < run.arity; ++i) {
     if (i == run.landmark || values.J[i] == nullptr) continue;
     const int dim = vertex[i].dim;
     const double* J_i = values.J[i];
     kernel.lane_products(run.rows, run.lanes, dim, J_i, 1, values.r, -1.0,
                          sink->b_p + vertex[i].target);
-    kernel.lane_couplings(run.rows, run.lanes, run.count, dim, J_i, dl, J_l, 1.0,
-                          w_.data() + run.w_begin + std::int64_t{i} * run.lanes, sink->landmarks);
+    kernel.lane_couplings(run.rows, run.lanes, run.count, dim, J_i, dl, J_l,
+                          w_.data() + run.w_begin + std::int64_t{i} * run.lanes,
+                          (run.sets >> i & 1u) != 0, sink->landmarks);
     for (int j = 0; j <= i; ++j) {
       const std::int64_t offset = h_block_[Index(run.pair_begin + plan::Pair(i, j))];
       if (offset == plan::kNone) continue;
@@ -129,6 +127,25 @@ void LandmarkRuns::Accumulate(const Run& run, const Values& values,
       }
     }
   }
+}
+
+void LandmarkRuns::ZeroRecords(const Structure& structure, int chunk, double* landmarks) const {
+  const std::int32_t begin = structure.landmark_chunks()[Index(chunk)];
+  const std::int32_t end = structure.landmark_chunks()[Index(chunk) + 1];
+  if (adds_to_all_[Index(chunk)] != 0) {
+    const auto record = [&](std::int32_t l) {
+      return Index(l) < structure.landmarks().size() ? structure.landmarks()[Index(l)].record
+                                                     : structure.landmark_buffer_size();
+    };
+    std::fill(landmarks + record(begin), landmarks + record(end), 0.0);
+    return;
+  }
+  for (std::int32_t l = begin; l < end; ++l) {
+    const LandmarkBlock& landmark = structure.landmarks()[Index(l)];
+    std::fill_n(landmarks + landmark.record, landmark.dim * landmark.dim + landmark.dim, 0.0);
+  }
+  for (std::int32_t k = added_begin_[Index(chunk)]; k < added_begin_[Index(chunk) + 1]; ++k)
+    std::fill_n(landmarks + added_[Index(k)].offset, added_[Index(k)].size, 0.0);
 }
 
 bool LandmarkRuns::Linearize(const Graph& graph, int chunk, NormalEquationsSink* sink,

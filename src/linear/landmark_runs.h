@@ -41,6 +41,9 @@ class LandmarkRuns {
     return lanes;
   }
   void ForgetRedone() { redone_.assign(redone_.size(), 0); }
+  /// Before a linearization: zeros in what is added to, of a chunk's landmarks. Most of it, W, is
+  /// set by the runs.
+  void ZeroRecords(const Structure& structure, int chunk, double* landmarks) const;
   /// Adds the chunk's part of H, b and cost. False where an edge has no finite value: *pool and
   /// sink->failed_edge tell which.
   bool Linearize(const Graph& graph, int chunk, NormalEquationsSink* sink, std::int32_t* pool);
@@ -59,6 +62,7 @@ class LandmarkRuns {
     std::int64_t vertex_begin = 0;  ///< in vertex_: `arity` of them
     std::int64_t pair_begin = 0;    ///< in h_block_: plan::NumPairs(arity) offsets
     std::int64_t w_begin = 0;       ///< in w_: `lanes` offsets for each vertex
+    std::uint32_t sets = 0;         ///< bit i: its blocks of vertex i are the first ones there
     LaneWeights::Run weights;
   };
   struct Vertex {
@@ -89,6 +93,7 @@ class LandmarkRuns {
   void PlanPool(const EdgePoolBase& pool, int id, int arity, const std::int64_t* records);
   void AddRun(const EdgePoolBase& pool, int id, int arity, const std::int64_t* records,
               const Item* items, int count);
+  void FindFirst(Run* run);
   void PlanWeights(const Graph& graph);
   Values Place(const Run& run, bool jacobians, Scratch* scratch) const;
   /// Raw values; returns the number of the first edge without one, or -1.
@@ -113,6 +118,15 @@ class LandmarkRuns {
   std::vector<std::int64_t> record_;       // offset of its record
   std::vector<Vertex> vertex_;
   std::vector<std::int64_t> h_block_, w_;
+  /// Blocks of W that only runs add to which do not set them: offset and size.
+  struct Added {
+    std::int64_t offset;
+    std::int32_t size;
+  };
+  std::vector<Added> added_;
+  std::vector<std::int32_t> added_begin_;  // by chunk
+  std::vector<std::uint8_t> adds_to_all_;  // by chunk: there are edges that are in no run
+  std::vector<bool> is_written_;           // by offset of a block
   LaneWeights weights_;
   std::vector<Scratch> scratch_;
   std::vector<Item> items_, rest_;

@@ -77,15 +77,23 @@ void LandmarkRuns::Plan(const Structure& structure, const Graph& graph) {
   h_block_.clear();
   w_.clear();
   chunk_begin_.assign(1, 0);
+  added_.clear();
+  added_begin_.assign(1, 0);
+  adds_to_all_.assign(Index(num_chunks), 0);
+  is_written_.assign(Index(structure.landmark_buffer_size()), false);
   max_values_ = max_work_ = max_rows_ = 0;
   for (int chunk = 0; chunk < num_chunks; ++chunk) {
     for (const EdgeRun& edges : structure.EdgesOfChunk(chunk)) {
       const EdgePoolBase& pool = *graph.edge_pools()[Index(edges.pool)];
       const int arity = pool.fixed_arity();
-      if (arity == 0) continue;
       // Those on a landmark come first.
-      items_.clear();
       const std::int32_t* words = structure.Words(edges);
+      if (arity == 0) {
+        if (edges.count > 0 && words[plan::kLandmarkIndex] != plan::kNone)
+          adds_to_all_[Index(chunk)] = 1;
+        continue;
+      }
+      items_.clear();
       for (int k = 0; k < edges.count && words[plan::kLandmarkIndex] != plan::kNone; ++k) {
         items_.push_back({KeyOf(words, arity), words});
         words += plan::NumWords(arity);
@@ -95,6 +103,11 @@ void LandmarkRuns::Plan(const Structure& structure, const Graph& graph) {
       PlanPool(pool, edges.pool, arity, structure.landmark_records().data());
     }
     chunk_begin_.push_back(static_cast<std::int32_t>(runs_.size()));
+    if (adds_to_all_[Index(chunk)] != 0) {
+      for (std::int32_t k = chunk_begin_[Index(chunk)]; k < chunk_begin_.back(); ++k)
+        runs_[Index(k)].sets = 0;
+    }
+    added_begin_.push_back(static_cast<std::int32_t>(added_.size()));
   }
   scratch_.resize(std::max(scratch_.size(), Index(num_chunks)));
   for (Scratch& scratch : scratch_) {
@@ -178,11 +191,32 @@ void LandmarkRuns::AddRun(const EdgePoolBase& pool, int id, int arity, const std
       w_.push_back(block != plan::kNone ? record_[Index(run.lane_begin + s)] + block : plan::kNone);
     }
   }
+  FindFirst(&run);
   max_rows_ = std::max(max_rows_, Index(run.rows));
   max_values_ = std::max(max_values_, Index(run.rows) * Index(columns) * Index(run.lanes));
   max_work_ = std::max({max_work_, Index(run.rows) * Index(columns),
                         Index(kPoseColumns * run.rows) * Index(run.lanes)});
   runs_.push_back(run);
+}
+
+// Which of the run's blocks of W have nothing in them yet: runs add up in the order of this plan. A
+// run sets all of its lanes' blocks or none.
+void LandmarkRuns::FindFirst(Run* run) {
+  for (int i = 0; i < run->arity; ++i) {
+    const std::int64_t* w = w_.data() + run->w_begin + std::int64_t{i} * run->lanes;
+    if (i == run->landmark || w[0] == plan::kNone) continue;
+    const std::size_t before = added_.size();
+    const std::int32_t size = vertex_[Index(run->vertex_begin + i)].dim *
+                              vertex_[Index(run->vertex_begin + run->landmark)].dim;
+    for (int s = 0; s < run->count; ++s) {
+      if (is_written_[Index(w[s])]) continue;
+      is_written_[Index(w[s])] = true;
+      added_.push_back({w[s], size});
+    }
+    if (added_.size() - before != Index(run->count)) continue;
+    added_.resize(before);
+    run->sets |= 1u << i;
+  }
 }
 
 void LandmarkRuns::PlanWeights(const Graph& graph) {

@@ -17,18 +17,16 @@ inline double DampingOf(const DampingTerm& damping, double diagonal) {
              : std::clamp(diagonal, damping.min_diagonal, damping.max_diagonal);
 }
 
-/// A landmark as the kernels take it.
+/// A landmark as the kernels take it; factor: C of its damped H_ll^-1 = C'C.
 inline kernels::SchurLandmark LandmarkOf(const Structure& structure, const LandmarkBlock& landmark,
-                                         const std::vector<double>& records,
-                                         const double* inverse) {
+                                         const std::vector<double>& records, const double* factor) {
   const double* b_l = records.data() + landmark.record + landmark.dim * landmark.dim;
   return {landmark.slot_end - landmark.slot_begin,
           landmark.dim,
-          structure.slot_block().data() + landmark.slot_begin,
           structure.slot_row().data() + landmark.slot_begin,
           structure.slot_dim().data() + landmark.slot_begin,
           b_l + landmark.dim,
-          inverse,
+          factor,
           b_l};
 }
 

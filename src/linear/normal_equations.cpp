@@ -70,13 +70,7 @@ void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& gr
   out.failed_edge = -1;
   std::fill(h_pp_[Index(chunk)].begin(), h_pp_[Index(chunk)].end(), 0.0);
   std::fill(b_p_[Index(chunk)].begin(), b_p_[Index(chunk)].end(), 0.0);
-  const auto& landmarks = structure.landmarks();
-  const auto record_of = [&](std::int32_t l) {
-    return l < static_cast<std::int32_t>(landmarks.size()) ? landmarks[Index(l)].record
-                                                           : structure.landmark_buffer_size();
-  };
-  std::fill(landmarks_.begin() + record_of(structure.landmark_chunks()[Index(chunk)]),
-            landmarks_.begin() + record_of(structure.landmark_chunks()[Index(chunk) + 1]), 0.0);
+  runs_->ZeroRecords(structure, chunk, landmarks_.data());
 
   NormalEquationsSink sink;
   sink.h_pp = h_pp_[Index(chunk)].data();

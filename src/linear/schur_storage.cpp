@@ -44,7 +44,7 @@ void SchurStorage::LayOut(const Structure& structure, SchurForm form) {
   MakePlaces();
   cuts_.clear();
   ListPoseBlocks(structure);
-  ListLandmarkRows(structure);
+  batches_.List(structure, *this);
   const LandmarkPlan& plan = structure.groups();
   group_places_.resize(plan.blocks.size());
   for (std::size_t k = 0; k < plan.blocks.size(); ++k)
@@ -115,44 +115,6 @@ void SchurStorage::ListPoseBlocks(const Structure& structure) {
     next_constant_.push_back(first);
     first = static_cast<std::int32_t>(next_constant_.size()) - 1;
   }
-}
-
-void SchurStorage::ListLandmarkRows(const Structure& structure) {
-  landmark_begin_.clear();
-  landmark_rows_.clear();
-  if (form_ != SchurForm::kBlocks) return;
-  const std::vector<std::int32_t>& vertex = structure.slot_block();
-  const LandmarkBlock* last = nullptr;
-  for (const LandmarkBlock& landmark : structure.landmarks()) {
-    const auto begin = vertex.begin() + landmark.slot_begin;
-    const auto end = vertex.begin() + landmark.slot_end;
-    // Neighbours are often seen by the same vertices.
-    if (last != nullptr && std::equal(begin, end, vertex.begin() + last->slot_begin,
-                                      vertex.begin() + last->slot_end)) {
-      landmark_begin_.push_back(landmark_begin_.back());
-      continue;
-    }
-    last = &landmark;
-    landmark_begin_.push_back(static_cast<std::int64_t>(landmark_rows_.size()));
-    for (auto col = begin; col != end; ++col) {
-      for (auto row = col; row != end; ++row) {
-        landmark_rows_.push_back(
-            static_cast<std::int32_t>(Find(*row, *col).offset - column_[Index(*col)]));
-      }
-    }
-  }
-}
-
-kernels::SchurRows SchurStorage::RowsOf(const Structure& structure, std::size_t landmark) const {
-  switch (form_) {
-    case SchurForm::kDense:
-      return {structure.slot_row().data() + structure.landmarks()[landmark].slot_begin, false};
-    case SchurForm::kBlocks:
-      return {landmark_rows_.data() + landmark_begin_[landmark], true};
-    case SchurForm::kDiagonalBlocks:
-      break;
-  }
-  return {nullptr, false};
 }
 
 const std::vector<std::int32_t>& SchurStorage::CutColumns(const Structure& structure, int count) {

@@ -8,7 +8,7 @@
 #include "glissade/base/thread_pool.h"
 #include "glissade/linear/schur_operator.h"
 #include "glissade/structure/structure.h"
-#include "kernels/schur.h"
+#include "linear/schur_batches.h"
 
 namespace glissade {
 
@@ -59,11 +59,8 @@ class SchurStorage final : public SchurOperator {
   }
   /// By index in Structure::groups().blocks.
   [[nodiscard]] const std::vector<BlockPlace>& group_places() const { return group_places_; }
-  /// What schur_update needs to know.
-  [[nodiscard]] kernels::SchurTarget Target() {
-    return {data_.data(), rhs_.data(), column_.data(), stride_.data()};
-  }
-  [[nodiscard]] kernels::SchurRows RowsOf(const Structure& structure, std::size_t landmark) const;
+  /// How landmarks that are not in groups add to S.
+  [[nodiscard]] const SchurBatches& batches() const { return batches_; }
   /// Cuts the block columns into about `count` ranges of about equal work: range k is [cuts[k],
   /// cuts[k + 1]).
   const std::vector<std::int32_t>& CutColumns(const Structure& structure, int count);
@@ -81,7 +78,6 @@ class SchurStorage final : public SchurOperator {
 
  private:
   void MakePlaces();
-  void ListLandmarkRows(const Structure& structure);
   void ListPoseBlocks(const Structure& structure);
   [[nodiscard]] std::size_t IndexOf(std::int32_t row, std::int32_t col) const;
 
@@ -99,8 +95,7 @@ class SchurStorage final : public SchurOperator {
   std::vector<std::int32_t> varying_block_, first_constant_;  // the same
   std::vector<std::int32_t> next_constant_;
   std::vector<BlockPlace> group_places_;
-  std::vector<std::int64_t> landmark_begin_;  // in landmark_rows_
-  std::vector<std::int32_t> landmark_rows_;   // packed lower triangles
+  SchurBatches batches_;
   std::vector<std::int32_t> cuts_;
   int num_cuts_ = 0;
   std::vector<std::int64_t> work_;

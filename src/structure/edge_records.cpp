@@ -37,7 +37,6 @@ void Structure::LayOutLandmark(int landmark) {
   block.slot_end = static_cast<std::int32_t>(slot_block_.size());
   std::sort(slot_block_.begin() + block.slot_begin, slot_block_.begin() + block.slot_end);
   std::int64_t offset = landmark_buffer_size_ + block.dim * block.dim + block.dim;
-  const std::int64_t w_begin = offset;
   for (std::int32_t s = block.slot_begin; s < block.slot_end; ++s) {
     const PoseBlock& pose = poses_[Index(slot_block_[Index(s)])];
     slot_row_.push_back(pose.offset);
@@ -45,7 +44,6 @@ void Structure::LayOutLandmark(int landmark) {
     slot_of_block_[Index(slot_block_[Index(s)])] = static_cast<std::int32_t>(offset - block.record);
     offset += pose.dim * block.dim;
   }
-  max_w_size_ = std::max(max_w_size_, static_cast<int>(offset - w_begin));
   landmark_buffer_size_ = offset;
 }
 

@@ -70,7 +70,6 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   slot_dim_.clear();
   landmark_records_.clear();
   landmark_buffer_size_ = 0;
-  max_w_size_ = 0;
   slot_of_block_.assign(poses_.size(), 0);
   stamp_of_block_.assign(poses_.size(), -1);
   runs_.assign(Index(num_chunks_) * num_pools_, {});
@@ -122,7 +121,7 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   num_varying_ = h_blocks_.size();
   varying_size_ = h_size_;
   if (linear != nullptr) WriteConstantEdges(linear_id, *linear);
-  if (Status status = CheckSize(); !status.ok()) return status;
+  if (Status status = CheckSize(*graph); !status.ok()) return status;
   BuildReducedPattern();
   analysis_ = NewAnalysis();
   graph_ = graph->identity();
@@ -280,11 +279,18 @@ void Structure::CutIntoChunks() {
   landmark_chunks_.push_back(num_landmarks);
 }
 
-Status Structure::CheckSize() const {
+Status Structure::CheckSize(const Graph& graph) const {
   constexpr std::int64_t kLimit = std::numeric_limits<std::int32_t>::max();
   if (h_size_ > kLimit) {
     return {StatusCode::kInvalidArgument,
             "problem too large: more than 2^31 numbers in the poses' part of H"};
+  }
+  constexpr std::int32_t kMaxSlots = std::numeric_limits<std::uint16_t>::max();
+  for (const LandmarkBlock& landmark : landmarks_) {
+    if (landmark.slot_end - landmark.slot_begin <= kMaxSlots) continue;
+    const AnyVertex vertex = graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index);
+    return {StatusCode::kInvalidArgument,
+            "landmark " + ToString(vertex) + " is seen by more than 65535 vertices", vertex};
   }
   return {};
 }

@@ -71,24 +71,64 @@ TEST_P(LanesTest, CouplingsGoWhereTheirLaneSays) {
           for (int s = 0; s < lanes; ++s)
             offset[static_cast<size_t>(s)] = int64_t{size} * (lanes - 1 - s / 2);
           Guarded base = Lanes(lanes, size, 1, random);
-          Guarded expected = base;
-          k().lane_couplings(rows, lanes, count, dim_a, a.data(), dim_b, b.data(), -1.0,
-                             offset.data(), base.data());
+          Guarded expected = base, set = base;
+          k().lane_couplings(rows, lanes, count, dim_a, a.data(), dim_b, b.data(), offset.data(),
+                             false, base.data());
+          k().lane_couplings(rows, lanes, count, dim_a, a.data(), dim_b, b.data(), offset.data(),
+                             true, set.data());
           for (int s = 0; s < count; ++s) {
             for (int i = 0; i < dim_a; ++i) {
               for (int j = 0; j < dim_b; ++j) {
                 double sum = 0.0;
                 for (int r = 0; r < rows; ++r)
                   sum += a[At(r, dim_a, i, lanes, s)] * b[At(r, dim_b, j, lanes, s)];
-                expected[static_cast<size_t>(offset[static_cast<size_t>(s)] + i * dim_b + j)] -=
-                    sum;
+                const size_t to =
+                    static_cast<size_t>(offset[static_cast<size_t>(s)] + i * dim_b + j);
+                expected[to] += sum;
+                // The second lane of a place is the one that stays.
+                if (s % 2 == 1 || s == count - 1) {
+                  ASSERT_NEAR(set[to], sum, 1e-14);
+                }
               }
             }
           }
           for (size_t i = 0; i < static_cast<size_t>(size * lanes); ++i)
             ASSERT_NEAR(base[i], expected[i], 1e-14) << dim_a << " x " << dim_b << " at " << i;
-          ASSERT_TRUE(base.GuardsIntact());
+          ASSERT_TRUE(base.GuardsIntact() && set.GuardsIntact());
         }
+      }
+    }
+  }
+}
+
+TEST_P(LanesTest, LandmarksGetTheirBlockAndRightHandSide) {
+  Random random(9);
+  for (const int rows : {1, 2, 3, 6}) {
+    for (const int count : {1, 7, 8, 19, 64}) {
+      const int lanes = (count + 7) / 8 * 8;
+      for (int dl = 1; dl <= 4; ++dl) {
+        const Guarded J = Lanes(rows, dl, lanes, random), r = Lanes(rows, 1, lanes, random);
+        const int size = dl * dl + dl;
+        std::vector<int64_t> offset(static_cast<size_t>(lanes));
+        for (int s = 0; s < lanes; ++s)
+          offset[static_cast<size_t>(s)] = int64_t{size} * (s / 2);
+        Guarded base = Lanes(lanes, size, 1, random);
+        Guarded expected = base;
+        k().lane_landmarks(rows, lanes, count, dl, J.data(), r.data(), offset.data(), base.data());
+        for (int s = 0; s < count; ++s) {
+          double* const to = expected.data() + offset[static_cast<size_t>(s)];
+          for (int k = 0; k < rows; ++k) {
+            for (int i = 0; i < dl; ++i) {
+              const double J_i = J[At(k, dl, i, lanes, s)];
+              for (int j = 0; j < dl; ++j)
+                to[i * dl + j] += J_i * J[At(k, dl, j, lanes, s)];
+              to[dl * dl + i] -= J_i * r[At(k, 1, 0, lanes, s)];
+            }
+          }
+        }
+        for (size_t i = 0; i < static_cast<size_t>(size * lanes); ++i)
+          ASSERT_NEAR(base[i], expected[i], 1e-14) << "dl " << dl << " at " << i;
+        ASSERT_TRUE(base.GuardsIntact());
       }
     }
   }

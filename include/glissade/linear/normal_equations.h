@@ -130,12 +130,16 @@ class NormalEquations {
   void ProjectFreeTangents(const Structure& structure, Graph* graph);
   void FindConstants(const Structure& structure, const Graph& graph);
   void FillDiagonal(const Structure& structure);
-  void InvertLandmarks(const Structure& structure, const DampingTerm& damping, int chunk);
+  void FactorLandmarks(const Structure& structure, const DampingTerm& damping, int chunk);
   StepFailure CheckLandmarks(const Structure& structure, const Graph& graph) const;
   void StartColumns(const Structure& structure, const DampingTerm& damping, std::int32_t begin,
                     std::int32_t end);
-  void ReduceColumns(const Structure& structure, std::int32_t begin, std::int32_t end,
-                     double* scratch);
+  struct Panel {
+    std::vector<double> z, beta;
+  };
+  void FillPanel(const Structure& structure, std::size_t batch, Panel* panel) const;
+  void ReduceLandmarks(const Structure& structure, const std::vector<std::int32_t>& cuts,
+                       ThreadPool* threads);
   void MultiplyReduced(const double* x, double* y);
   void MultiplyPoses(const Hessian& H, int chunk, int num_chunks, const double* x, double* y) const;
 
@@ -158,12 +162,12 @@ class NormalEquations {
   std::vector<BlockView> constants_;  // by Structure::constant_blocks(), projected
   std::vector<double> projected_;
   std::vector<std::vector<double>> b_p_;
-  std::vector<double> landmarks_;     // records, see edge_plan.h
-  std::vector<double> h_ll_inverse_;  // damped, dim x dim per landmark
-  std::vector<std::int64_t> inverse_begin_;
-  std::vector<std::vector<double>> scratch_;  // per task of the elimination
-  std::vector<double> diagonal_;              // diag(H), pose scalars then landmark scalars
-  std::vector<double> b_;                     // the same order
+  std::vector<double> landmarks_;    // records, see edge_plan.h
+  std::vector<double> h_ll_factor_;  // C of the damped H_ll^-1 = C'C, dim x dim per landmark
+  std::vector<std::int64_t> factor_begin_;
+  std::vector<Panel> panels_;     // batches of landmarks that are eliminated at the same time
+  std::vector<double> diagonal_;  // diag(H), pose scalars then landmark scalars
+  std::vector<double> b_;         // the same order
   std::vector<double> step_;
   std::vector<double> residual_;
   std::vector<std::uint8_t> held_;

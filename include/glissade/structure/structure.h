@@ -118,7 +118,6 @@ class Structure {
   [[nodiscard]] const std::vector<std::int32_t>& slot_block() const { return slot_block_; }
   [[nodiscard]] const std::vector<std::int32_t>& slot_row() const { return slot_row_; }
   [[nodiscard]] const std::vector<std::int32_t>& slot_dim() const { return slot_dim_; }
-  [[nodiscard]] int max_w_size() const { return max_w_size_; }
 
   [[nodiscard]] int num_chunks() const { return num_chunks_; }
   /// Fewer edges than twice that are one chunk.
@@ -187,7 +186,7 @@ class Structure {
     }
   }
   void BuildReducedPattern();
-  Status CheckSize() const;
+  Status CheckSize(const Graph& graph) const;
 
   std::uint64_t version_ = 0;
   std::uint64_t graph_ = 0;  // its identity
@@ -211,7 +210,6 @@ class Structure {
   std::vector<std::int64_t> landmark_records_;
   std::int64_t landmark_buffer_size_ = 0;
   std::vector<std::int32_t> slot_block_, slot_row_, slot_dim_;
-  int max_w_size_ = 0;
   int num_chunks_ = 1;
   std::vector<std::int32_t> landmark_chunks_;
   std::vector<EdgeRun> runs_;

@@ -253,57 +253,6 @@ void LaneProducts(int rows, int lanes, int dim_a, const double* a, int dim_b, co
   }
 }
 
-/// Rows of blocks taken at a time: those of kW lanes are turned into one another in a buffer.
-constexpr int kCouplingRows = 16;
-
-template <int kB>
-void CouplingsOf(int rows, int lanes, int count, int dim_a, const double* a, const double* b,
-                 double alpha, const int64_t* offset, double* base) {
-  const Index n = lanes, a_row = dim_a * n, b_row = kB * n;
-  double block[kCouplingRows * kB * kW];
-  for (Index s = 0; s < count; s += kW) {
-    for (int i0 = 0; i0 < dim_a; i0 += kCouplingRows) {
-      const int tall = Min(kCouplingRows, dim_a - i0);
-      for (int i = 0; i < tall; ++i) {
-        vd sum[kB];
-#pragma GCC unroll 4
-        for (int j = 0; j < kB; ++j)
-          sum[j] = Zero();
-        for (int k = 0; k < rows; ++k) {
-          const vd x = Load(a + k * a_row + (i0 + i) * n + s);
-#pragma GCC unroll 4
-          for (int j = 0; j < kB; ++j)
-            sum[j] += x * Load(b + k * b_row + j * n + s);
-        }
-#pragma GCC unroll 4
-        for (int j = 0; j < kB; ++j)
-          Store(block + (i * kB + j) * kW, Splat(alpha) * sum[j]);
-      }
-      const int last = Min<int>(kW, count - static_cast<int>(s));
-      for (int lane = 0; lane < last; ++lane) {
-        double* to = base + offset[s + lane] + i0 * kB;
-        const double* from = block + lane;
-        for (int t = 0; t < tall * kB; ++t)
-          to[t] += from[t * kW];
-      }
-    }
-  }
-}
-
-void LaneCouplings(int rows, int lanes, int count, int dim_a, const double* a, int dim_b,
-                   const double* b, double alpha, const int64_t* offset, double* base) {
-  switch (dim_b) {
-    case 1:
-      return CouplingsOf<1>(rows, lanes, count, dim_a, a, b, alpha, offset, base);
-    case 2:
-      return CouplingsOf<2>(rows, lanes, count, dim_a, a, b, alpha, offset, base);
-    case 3:
-      return CouplingsOf<3>(rows, lanes, count, dim_a, a, b, alpha, offset, base);
-    default:
-      return CouplingsOf<4>(rows, lanes, count, dim_a, a, b, alpha, offset, base);
-  }
-}
-
 }  // namespace
 }  // namespace glissade::kernels
 

@@ -1,12 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// One landmark of the generic Schur complement: S -= W H_ll^-1 W' and what belongs to it.
-//
-// S is column-major, so lanes run along rows. Blocks that are neighbours in a block column (a
-// landmark is mostly seen by consecutive cameras) form a run whose rows are contiguous in S and in
-// the transposed W alike; the update works on whole runs, and only the tail of a run is a partial
-// vector.
+// The Schur complement of a batch of landmarks of any shape, block by block: S -= Z Z'.
 
 #ifndef GLISSADE_KERNELS_IMPL_SCHUR_H_
 #define GLISSADE_KERNELS_IMPL_SCHUR_H_
@@ -17,299 +12,189 @@
 namespace glissade::kernels {
 namespace {
 
-/// One vector of rows of one column: s(0:kW) -= sum_k w(:, k) y(k), the first `last` lanes.
-template <int kDl, bool kPartial>
-GLISSADE_INLINE void LaneUpdate(const vd (&w)[kDl], const double* y, Index ld, double* s,
-                                int last) {
-  vd x = kPartial ? LoadPartial(s, last) : Load(s);
-#pragma GCC unroll 4
-  for (int k = 0; k < kDl; ++k)
-    x -= w[k] * Splat(y[k * ld]);
-  if (kPartial) {
-    StorePartial(s, x, last);
-  } else {
-    Store(s, x);
-  }
-}
-
-template <int kColumns, int kDl, bool kPartial>
-GLISSADE_INLINE void RowsUpdate(int columns, const double* w, const double* y, Index ld, double* s,
-                                Index lds, int last) {
-  vd wi[kDl];
-#pragma GCC unroll 4
-  for (int k = 0; k < kDl; ++k)
-    wi[k] = Load(w + k * ld);
-  if (kColumns > 0) {
-#pragma GCC unroll 16
-    for (int c = 0; c < kColumns; ++c)
-      LaneUpdate<kDl, kPartial>(wi, y + c, ld, s + c * lds, last);
-  } else {
-#pragma GCC unroll 1
-    for (int c = 0; c < columns; ++c)
-      LaneUpdate<kDl, kPartial>(wi, y + c, ld, s + c * lds, last);
-  }
-}
-
-/// s(0:rows, 0:columns) -= w y', both with dl columns, ld apart. kColumns 0: the count is the
-/// argument.
-template <int kColumns, int kDl>
-__attribute__((noinline)) void RunUpdate(int rows, int columns, const double* w, const double* y,
-                                         Index ld, double* s, Index lds) {
-  int i = 0;
-#pragma GCC unroll 1
-  for (; i + kW <= rows; i += kW)
-    RowsUpdate<kColumns, kDl, false>(columns, w + i, y, ld, s + i, lds, kW);
-  if (i < rows) RowsUpdate<kColumns, kDl, true>(columns, w + i, y, ld, s + i, lds, rows - i);
-}
-
-/// The same for one block of kDim x kDim: everything unrolled, W in registers.
+/// Where slots begin. kDim > 0: all have that dimension.
 template <int kDim, int kDl>
-__attribute__((noinline)) void BlockUpdate(const double* w, const double* y, Index ld, double* s,
-                                           Index lds) {
-  constexpr int kFull = kDim / kW;
+struct Slots {
+  const double* z;
+  const int32_t* begin;
+  GLISSADE_INLINE const double* At(uint16_t slot) const {
+    return kDim > 0 ? z + Index{slot} * (kDim * kDl) : z + begin[slot];
+  }
+};
+
+/// sum[v][j] = sum over pairs and the dl columns of x(v kW ...) y(j), x of the first slots from row
+/// i0 on, y of the second ones from row j0 on. kSwapped: the other way round.
+template <int kDim, int kDl, int kV, int kC, bool kSwapped>
+GLISSADE_INLINE void SumPairs(const Slots<kDim, kDl>& slots, const SlotPair* pair,
+                              const SlotPair* end, Index dim_x, Index dim_y, Index i0, Index j0,
+                              vd (&sum)[kV][kC]) {
+#pragma GCC unroll 4
+  for (int v = 0; v < kV; ++v) {
+#pragma GCC unroll 16
+    for (int j = 0; j < kC; ++j)
+      sum[v][j] = Zero();
+  }
+#pragma GCC unroll 1
+  for (; pair != end; ++pair) {
+    const double* x = slots.At(kSwapped ? pair->col : pair->row) + i0;
+    const double* y = slots.At(kSwapped ? pair->row : pair->col) + j0;
+#pragma GCC unroll 4
+    for (int k = 0; k < kDl; ++k) {
+      vd xs[kV];
+#pragma GCC unroll 4
+      for (int v = 0; v < kV; ++v)
+        xs[v] = Load(x + k * dim_x + v * kW);
+#pragma GCC unroll 16
+      for (int j = 0; j < kC; ++j) {
+        const vd yj = Splat(y[k * dim_y + j]);
+#pragma GCC unroll 4
+        for (int v = 0; v < kV; ++v)
+          sum[v][j] += xs[v] * yj;
+      }
+    }
+  }
+}
+
+GLISSADE_INLINE void SubtractFrom(double* s, vd x, int count) {
+  if (count >= kW) {
+    Store(s, Load(s) - x);
+  } else {
+    StorePartial(s, LoadPartial(s, count) - x, count);
+  }
+}
+
+// Sums of kV vectors and kC columns stay in registers together with the vectors and one factor.
+constexpr int kPairRegisters = GLISSADE_KERNEL_WIDTH == 8 ? 32 : 16;
+
+/// kV vectors of rows, of which the last has `last` rows, from row i0 on; all kCols columns.
+template <int kDim, int kDl, int kV, int kCols, int kFrom = 0>
+GLISSADE_INLINE void BlockRows(const Slots<kDim, kDl>& slots, const SlotPair* pair,
+                               const SlotPair* end, int i0, int last, double* s, Index stride) {
+  constexpr int kMost = (kPairRegisters - 1 - kV) / kV;
+  constexpr int kParts = (kCols + kMost - 1) / kMost;
+  constexpr int kC = (kCols + kParts - 1) / kParts;
+  constexpr int kNow = kCols - kFrom < kC ? kCols - kFrom : kC;
+  vd sum[kV][kNow];
+  SumPairs<kDim, kDl, kV, kNow, false>(slots, pair, end, kDim, kDim, i0, kFrom, sum);
+#pragma GCC unroll 16
+  for (int j = 0; j < kNow; ++j) {
+    double* const to = s + i0 + (kFrom + j) * stride;
+#pragma GCC unroll 4
+    for (int v = 0; v < kV; ++v)
+      SubtractFrom(to + v * kW, sum[v][j], v + 1 < kV ? kW : last);
+  }
+  if constexpr (kFrom + kNow < kCols) {
+    BlockRows<kDim, kDl, kV, kCols, kFrom + kNow>(slots, pair, end, i0, last, s, stride);
+  }
+}
+
+/// A block of kDim x kDim.
+template <int kDim, int kDl>
+__attribute__((noinline)) void SquareBlock(const Slots<kDim, kDl>& slots, const SlotPair* pair,
+                                           const SlotPair* end, double* s, Index stride) {
   constexpr int kLast = kDim % kW;
-  vd x[kDl][kFull + 1];
-#pragma GCC unroll 4
-  for (int k = 0; k < kDl; ++k) {
-#pragma GCC unroll 9
-    for (int v = 0; v < kFull + (kLast > 0 ? 1 : 0); ++v)
-      x[k][v] = Load(w + k * ld + v * kW);
-  }
-#pragma GCC unroll 16
-  for (int c = 0; c < kDim; ++c, s += lds) {
-    vd yc[kDl];
-#pragma GCC unroll 4
-    for (int k = 0; k < kDl; ++k)
-      yc[k] = Splat(y[c + k * ld]);
+  // One row that is left over is summed with lanes along its columns.
+  constexpr int kV = kLast == 1 ? kDim / kW : (kDim + kW - 1) / kW;
+  BlockRows<kDim, kDl, kV, kDim>(slots, pair, end, 0, kLast <= 1 ? kW : kLast, s, stride);
+  if constexpr (kLast == 1) {
+    constexpr int kW1 = (kDim + kW - 1) / kW;
+    vd sum[kW1][1];
+    SumPairs<kDim, kDl, kW1, 1, true>(slots, pair, end, kDim, kDim, 0, kDim - 1, sum);
+    double row[kW1 * kW];
 #pragma GCC unroll 8
-    for (int v = 0; v < kFull; ++v) {
-      vd p = Load(s + v * kW);
-#pragma GCC unroll 4
-      for (int k = 0; k < kDl; ++k)
-        p -= x[k][v] * yc[k];
-      Store(s + v * kW, p);
-    }
-    if (kLast > 0) {
-      vd p = LoadFirst<kLast>(s + kFull * kW);
-#pragma GCC unroll 4
-      for (int k = 0; k < kDl; ++k)
-        p -= x[k][kFull] * yc[k];
-      StoreFirst<kLast>(s + kFull * kW, p);
-    }
+    for (int v = 0; v < kW1; ++v)
+      Store(row + v * kW, sum[v][0]);
+#pragma GCC unroll 16
+    for (int j = 0; j < kDim; ++j)
+      s[kDim - 1 + j * stride] -= row[j];
   }
 }
 
-/// kDim > 0: all blocks have that dimension.
+/// kC columns of a block of any size, from column j0 on.
+template <int kDl, int kC>
+void BlockColumns(const Slots<0, kDl>& slots, const SlotPair* pair, const SlotPair* end, int rows,
+                  int cols, int j0, double* s, Index stride) {
+  for (int i0 = 0; i0 < rows; i0 += kW) {
+    vd sum[1][kC];
+    SumPairs<0, kDl, 1, kC, false>(slots, pair, end, rows, cols, i0, j0, sum);
+#pragma GCC unroll 4
+    for (int j = 0; j < kC; ++j)
+      SubtractFrom(s + i0 + (j0 + j) * stride, sum[0][j], rows - i0);
+  }
+}
+
+template <int kDl>
+void AnyBlock(const Slots<0, kDl>& slots, const SlotPair* pair, const SlotPair* end, int rows,
+              int cols, double* s, Index stride) {
+  int j = 0;
+  for (; j + 4 <= cols; j += 4)
+    BlockColumns<kDl, 4>(slots, pair, end, rows, cols, j, s, stride);
+  if (j + 2 <= cols) {
+    BlockColumns<kDl, 2>(slots, pair, end, rows, cols, j, s, stride);
+    j += 2;
+  }
+  if (j < cols) BlockColumns<kDl, 1>(slots, pair, end, rows, cols, j, s, stride);
+}
+
+/// b -= Z beta, of the vertex that all pairs are of.
 template <int kDim, int kDl>
-void SchurUpdateFor(const SchurLandmark& l, const SchurRows& rows, int begin, int end,
-                    const SchurTarget& t, double* scratch) {
-  const int m = l.blocks;
-  const auto dim = [&](int a) { return kDim > 0 ? kDim : l.dim[a]; };
-  const double* w = l.w;
-  for (int a = 0; a < begin; ++a)
-    w += dim(a) * kDl;
-  int size = 0, own = 0;
-  for (int a = begin; a < m; ++a) {
-    size += dim(a);
-    if (a < end) own += dim(a);
-  }
-  // W transposed, of the vertices from `begin` on; Y = W H_ll^-1 of those whose columns are asked
-  // for. One whole vector behind the last row may be read.
-  const Index ld = (size + 15) / 8 * 8;
-  double* const wt = scratch;
-  double* const yt = scratch + kDl * ld;
-  int at = 0;
-  for (; at + kW <= size; at += kW) {
-#pragma GCC unroll 4
-    for (int k = 0; k < kDl; ++k)
-      Store(wt + k * ld + at, LoadStrided(w + at * kDl + k, kDl, kW));
-  }
-  for (int count = size - at; at < ld; at += kW, count = 1) {
-#pragma GCC unroll 4
-    for (int k = 0; k < kDl; ++k) {
-      // Behind the last row: anything finite.
-      const double* last = w + (at < size ? at : size - 1) * kDl + k;
-      Store(wt + k * ld + at, LoadStrided(last, kDl, count > 0 ? count : 1));
-    }
-  }
-  vd inverse[kDl][kDl];
-#pragma GCC unroll 4
-  for (int i = 0; i < kDl; ++i) {
-#pragma GCC unroll 4
-    for (int k = 0; k < kDl; ++k)
-      inverse[i][k] = Splat(l.inverse[i * kDl + k]);
-  }
-  for (at = 0; at < own; at += kW) {
-    vd x[kDl];
-#pragma GCC unroll 4
-    for (int k = 0; k < kDl; ++k)
-      x[k] = Load(wt + k * ld + at);
-#pragma GCC unroll 4
-    for (int k = 0; k < kDl; ++k) {
-      vd y = x[0] * inverse[0][k];
-#pragma GCC unroll 4
-      for (int i = 1; i < kDl; ++i)
-        y += x[i] * inverse[i][k];
-      Store(yt + k * ld + at, y);
-    }
-  }
-
-  const double* wc = wt;
-  const double* y = yt;
-  for (int c = begin; c < end; ++c) {
-    const int columns = dim(c);
-    double* b = t.b + l.row[c];
-    for (int r = 0; r < columns; ++r) {
-      double sum = 0.0;
+GLISSADE_INLINE void BlockRhs(const SchurPanel& panel, const Slots<kDim, kDl>& slots,
+                              const SlotPair* pair, const SlotPair* end, int rows, double* b) {
+  for (int i0 = 0; i0 < rows; i0 += kW) {
+    vd sum = Zero();
+    for (const SlotPair* p = pair; p != end; ++p) {
+      const double* z = slots.At(p->row) + i0;
+      const double* beta = panel.beta + Index{panel.landmark[p->row]} * kDl;
 #pragma GCC unroll 4
       for (int k = 0; k < kDl; ++k)
-        sum += y[k * ld + r] * l.b[k];
-      b[r] -= sum;
+        sum += Load(z + k * rows) * Splat(beta[k]);
     }
-    const int32_t vertex = l.vertex[c];
-    double* const column = t.s + t.column[vertex];
-    const Index stride = t.stride[vertex];
-    if (rows.row == nullptr) {
-      RunUpdate<kDim, kDl>(columns, columns, wc, y, ld, column, stride);
+    SubtractFrom(b + i0, sum, rows - i0);
+  }
+}
+
+template <int kDim, int kDl>
+void BlocksFor(const SchurPanel& panel, const SchurBlock* block, const SchurBlock* last, double* s,
+               double* b) {
+  const Slots<kDim, kDl> slots{panel.z, panel.slot};
+  for (; block != last; ++block) {
+    const SlotPair* const pair = panel.pairs + block->pair_begin;
+    const SlotPair* const end = panel.pairs + block->pair_end;
+    if constexpr (kDim > 0) {
+      SquareBlock<kDim, kDl>(slots, pair, end, s + block->offset, block->stride);
     } else {
-      // Row of vertex a in this column.
-      const int32_t* row = rows.row;
-      if (rows.packed) row += Index{c} * (m - 1) - Index{c} * (c - 1) / 2;
-      const double* wa = wc;
-      for (int a = c; a < m;) {
-        const int first = row[a];
-        int count = dim(a);
-        int next = a + 1;
-        for (; next < m && row[next] == first + count; ++next)
-          count += dim(next);
-        if (kDim > 0 && next == a + 1) {
-          BlockUpdate<kDim, kDl>(wa, y, ld, column + first, stride);
-        } else {
-          RunUpdate<kDim, kDl>(count, columns, wa, y, ld, column + first, stride);
-        }
-        wa += count;
-        a = next;
-      }
+      AnyBlock<kDl>(slots, pair, end, block->rows, block->cols, s + block->offset, block->stride);
     }
-    wc += columns;
-    y += columns;
+    if (block->rhs >= 0) {
+      BlockRhs<kDim, kDl>(panel, slots, pair, end, kDim > 0 ? kDim : block->rows, b + block->rhs);
+    }
   }
 }
 
-template <int kDim>
-inline void SchurUpdateUniform(const SchurLandmark& l, const SchurRows& rows, int begin, int end,
-                               const SchurTarget& t, double* scratch) {
-  switch (l.dl) {
-    case 1:
-      return SchurUpdateFor<kDim, 1>(l, rows, begin, end, t, scratch);
-    case 2:
-      return SchurUpdateFor<kDim, 2>(l, rows, begin, end, t, scratch);
-    case 3:
-      return SchurUpdateFor<kDim, 3>(l, rows, begin, end, t, scratch);
-    default:
-      return SchurUpdateFor<kDim, 4>(l, rows, begin, end, t, scratch);
-  }
-}
-
-void SchurUpdate(const SchurLandmark* l, SchurRows rows, int begin, int end, const SchurTarget* t,
-                 double* scratch) {
-  if (begin >= end) return;
-  bool uniform = true;
-  for (int a = begin + 1; a < l->blocks; ++a)
-    uniform &= l->dim[a] == l->dim[begin];
-  for (int a = 0; a < begin; ++a)
-    uniform &= l->dim[a] == l->dim[begin];
-  switch (uniform ? l->dim[begin] : 0) {
+template <int kDl>
+void BlocksOf(const SchurPanel& panel, const SchurBlock* block, const SchurBlock* last, double* s,
+              double* b) {
+  switch (panel.dim) {
     case 6:
-      return SchurUpdateUniform<6>(*l, rows, begin, end, *t, scratch);
+      return BlocksFor<6, kDl>(panel, block, last, s, b);
     case 9:
-      return SchurUpdateUniform<9>(*l, rows, begin, end, *t, scratch);
-    case 15:
-      return SchurUpdateUniform<15>(*l, rows, begin, end, *t, scratch);
+      return BlocksFor<9, kDl>(panel, block, last, s, b);
     default:
-      return SchurUpdateUniform<0>(*l, rows, begin, end, *t, scratch);
+      return BlocksFor<0, kDl>(panel, block, last, s, b);
   }
 }
 
-/// out = H_ll^-1 (sign W'x + b): b null is zero.
-template <int kDl>
-GLISSADE_INLINE void Substitute(const SchurLandmark& l, double sign, const double* b,
-                                const double* x, double* out) {
-  // Two sums each: additions wait for each other.
-  double sum[2][kDl] = {};
-  const double* w = l.w;
-  for (int a = 0; a < l.blocks; ++a) {
-    const double* xa = x + l.row[a];
-    const int dim = l.dim[a];
-    int r = 0;
-    for (; r + 2 <= dim; r += 2, w += 2 * kDl) {
-#pragma GCC unroll 4
-      for (int k = 0; k < kDl; ++k) {
-        sum[0][k] += w[k] * xa[r];
-        sum[1][k] += w[kDl + k] * xa[r + 1];
-      }
-    }
-    if (r < dim) {
-#pragma GCC unroll 4
-      for (int k = 0; k < kDl; ++k)
-        sum[0][k] += w[k] * xa[r];
-      w += kDl;
-    }
-  }
-  double rhs[kDl];
-#pragma GCC unroll 4
-  for (int k = 0; k < kDl; ++k)
-    rhs[k] = (b == nullptr ? 0.0 : b[k]) + sign * (sum[0][k] + sum[1][k]);
-#pragma GCC unroll 4
-  for (int r = 0; r < kDl; ++r) {
-    double value = 0.0;
-#pragma GCC unroll 4
-    for (int c = 0; c < kDl; ++c)
-      value += l.inverse[r * kDl + c] * rhs[c];
-    out[r] = value;
-  }
-}
-
-template <int kDl>
-void SchurMultiplyFor(const SchurLandmark& l, const double* x, double* y) {
-  double u[kDl];
-  Substitute<kDl>(l, 1.0, nullptr, x, u);
-  const double* w = l.w;
-  for (int a = 0; a < l.blocks; ++a) {
-    double* ya = y + l.row[a];
-    for (int r = 0; r < l.dim[a]; ++r, w += kDl) {
-      double sum = 0.0;
-#pragma GCC unroll 4
-      for (int k = 0; k < kDl; ++k)
-        sum += w[k] * u[k];
-      ya[r] -= sum;
-    }
-  }
-}
-
-void LandmarkStep(const SchurLandmark* l, const double* x, double* step) {
-  switch (l->dl) {
+void SchurBlocks(const SchurPanel* panel, int64_t count, const SchurBlock* blocks, double* s,
+                 double* b) {
+  switch (panel->dl) {
     case 1:
-      return Substitute<1>(*l, -1.0, l->b, x, step);
+      return BlocksOf<1>(*panel, blocks, blocks + count, s, b);
     case 2:
-      return Substitute<2>(*l, -1.0, l->b, x, step);
+      return BlocksOf<2>(*panel, blocks, blocks + count, s, b);
     case 3:
-      return Substitute<3>(*l, -1.0, l->b, x, step);
+      return BlocksOf<3>(*panel, blocks, blocks + count, s, b);
     default:
-      return Substitute<4>(*l, -1.0, l->b, x, step);
-  }
-}
-
-void SchurMultiply(const SchurLandmark* l, const double* x, double* y) {
-  switch (l->dl) {
-    case 1:
-      return SchurMultiplyFor<1>(*l, x, y);
-    case 2:
-      return SchurMultiplyFor<2>(*l, x, y);
-    case 3:
-      return SchurMultiplyFor<3>(*l, x, y);
-    default:
-      return SchurMultiplyFor<4>(*l, x, y);
+      return BlocksOf<4>(*panel, blocks, blocks + count, s, b);
   }
 }
 

@@ -5,7 +5,9 @@
 // The table is the only symbol such an object exports.
 
 #include "kernels/impl/cholesky.h"
+#include "kernels/impl/couplings.h"
 #include "kernels/impl/householder.h"
+#include "kernels/impl/landmark.h"
 #include "kernels/impl/lanes.h"
 #include "kernels/impl/left_multiply.h"
 #include "kernels/impl/partial.h"
@@ -56,7 +58,8 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .gemm_nt_add = GemmNtAdd,
     .left_multiply = LeftMultiply,
     .householder_column = HouseholderColumn,
-    .schur_update = SchurUpdate,
+    .schur_panel = SchurPanelOf,
+    .schur_blocks = SchurBlocks,
     .schur_multiply = SchurMultiply,
     .landmark_step = LandmarkStep,
     .lanes_finite = LanesFinite,
@@ -67,6 +70,7 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .scale_lanes = ScaleLanes,
     .lane_products = LaneProducts,
     .lane_couplings = LaneCouplings,
+    .lane_landmarks = LaneLandmarks,
     .two_view_lanes = TwoViewLanes,
     .twist_sums = TwistSums,
     .twist_panel = TwistPanel,
@@ -75,7 +79,7 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .landmark_pivots = LandmarkPivots,
     .add_twist_blocks = AddTwistBlocks,
     .map_block = MapBlock,
-    .invert_spd_small = InvertSpdSmall,
+    .inverse_factor = InverseFactor,
 };
 
 }  // namespace glissade::kernels
