@@ -42,43 +42,12 @@ const std::vector<double>& NormalEquations::reduced_rhs() const {
   return schur_->rhs();
 }
 
-void NormalEquations::FactorLandmarks(const Structure& structure, const DampingTerm& damping,
-                                      int chunk) {
-  chunks_[Index(chunk)].failed_landmark = -1;
-  for (int l = structure.landmark_chunks()[Index(chunk)];
-       l < structure.landmark_chunks()[Index(chunk) + 1]; ++l) {
-    const LandmarkBlock& landmark = structure.landmarks()[Index(l)];
-    const int dim = landmark.dim;
-    const double* H_ll = landmarks_.data() + landmark.record;
-    double* factor = h_ll_factor_.data() + factor_begin_[Index(l)];
-    std::copy_n(H_ll, dim * dim, factor);
-    for (int k = 0; k < dim && !damping.reduced_only; ++k)
-      factor[k * dim + k] += damping.lambda * DampingOf(damping, H_ll[k * dim + k]);
-    if (kernels::Kernels().inverse_factor(dim, factor) != 0) {
-      chunks_[Index(chunk)].failed_landmark = l;
-      return;
-    }
-  }
-}
-
-StepFailure NormalEquations::CheckLandmarks(const Structure& structure, const Graph& graph) const {
+StepFailure NormalEquations::CannotEliminate(const AnyVertex& landmark) {
   StepFailure failure;
-  for (int c = 0; c < structure.num_chunks(); ++c) {
-    const int failed = chunks_[Index(c)].failed_landmark;
-    const int lane = chunks_[Index(c)].failed_lane;
-    if (failed < 0 && lane < 0) continue;
-    failure.code = StatusCode::kSingular;
-    failure.what = "has too little information to be eliminated";
-    failure.is_landmark = true;
-    if (failed >= 0) {
-      const LandmarkBlock& landmark = structure.landmarks()[Index(failed)];
-      failure.vertex = graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index);
-    } else {
-      failure.vertex = graph.Pool<VertexInverseDepth>()->HandleAt(
-          structure.groups().landmark_of_lane[Index(lane)]);
-    }
-    break;
-  }
+  failure.code = StatusCode::kSingular;
+  failure.what = "has too little information to be eliminated";
+  failure.is_landmark = true;
+  failure.vertex = landmark;
   return failure;
 }
 
@@ -128,30 +97,43 @@ void NormalEquations::StartColumns(const Structure& structure, const DampingTerm
   }
 }
 
-// Z and beta of a batch of landmarks.
-void NormalEquations::FillPanel(const Structure& structure, std::size_t batch, Panel* panel) const {
+// Factors, Z and beta of a batch of landmarks: each record is read once.
+void NormalEquations::FillPanel(const Structure& structure, const DampingTerm& damping,
+                                std::size_t batch, Panel* panel) {
+  const kernels::KernelTable& kernel = kernels::Kernels();
   const SchurBatches& batches = schur_->batches();
-  // A vector that begins at the last number is read and written whole.
+  // A vector that begins at the last number is read whole.
   constexpr std::size_t kSpare = 8;
+  panel->failed_landmark = -1;
   panel->z.resize(std::max(panel->z.size(), batches.max_z_size() + kSpare));
   panel->beta.resize(std::max(panel->beta.size(), batches.max_beta_size()));
   double *z = panel->z.data(), *beta = panel->beta.data();
   for (std::int32_t l = batches[batch].landmark_begin; l < batches[batch].landmark_end; ++l) {
     const LandmarkBlock& block = structure.landmarks()[Index(l)];
-    const double* factor = h_ll_factor_.data() + factor_begin_[Index(l)];
+    const int dim = block.dim;
+    const double* H_ll = landmarks_.data() + block.record;
+    double* factor = h_ll_factor_.data() + factor_begin_[Index(l)];
+    std::copy_n(H_ll, dim * dim, factor);
+    for (int k = 0; k < dim && !damping.reduced_only; ++k)
+      factor[k * dim + k] += damping.lambda * DampingOf(damping, H_ll[k * dim + k]);
+    if (kernel.inverse_factor(dim, factor) != 0) {
+      panel->failed_landmark = l;
+      return;
+    }
     const kernels::SchurLandmark landmark = LandmarkOf(structure, block, landmarks_, factor);
-    kernels::Kernels().schur_panel(&landmark, z, beta);
+    kernel.schur_panel(&landmark, z, beta);
     for (std::int32_t s = block.slot_begin; s < block.slot_end; ++s)
-      z += structure.slot_dim()[Index(s)] * block.dim;
-    beta += block.dim;
+      z += structure.slot_dim()[Index(s)] * dim;
+    beta += dim;
   }
 }
 
-// S -= W H_ll^-1 W', and what belongs to it of b_s. Tasks own block columns, so that nothing is
-// summed up afterwards; batches come in the same order whatever the columns, so that cutting the
-// work differently changes no bit. One thread takes a batch while its Z is in the cache.
-void NormalEquations::ReduceLandmarks(const Structure& structure,
-                                      const std::vector<std::int32_t>& cuts, ThreadPool* threads) {
+// S -= W H_ll^-1 W', and what belongs to it of b_s; returns a landmark that cannot be eliminated,
+// or -1. Tasks own block columns, so that nothing is summed up afterwards; batches come in the same
+// order whatever the columns, so that cutting the work differently changes no bit. One thread takes
+// a batch while its Z is in the cache.
+int NormalEquations::ReduceLandmarks(const Structure& structure, const DampingTerm& damping,
+                                     const std::vector<std::int32_t>& cuts, ThreadPool* threads) {
   constexpr std::size_t kPanels = 64;
   const SchurBatches& batches = schur_->batches();
   const int num_tasks = static_cast<int>(cuts.size()) - 1;
@@ -160,8 +142,12 @@ void NormalEquations::ReduceLandmarks(const Structure& structure,
   if (panels_.size() < at_once) panels_.resize(at_once);
   for (std::size_t first = 0; first < batches.size(); first += at_once) {
     const std::size_t count = std::min(at_once, batches.size() - first);
-    threads->Run(static_cast<int>(count),
-                 [&](int k) { FillPanel(structure, first + Index(k), &panels_[Index(k)]); });
+    threads->Run(static_cast<int>(count), [&](int k) {
+      FillPanel(structure, damping, first + Index(k), &panels_[Index(k)]);
+    });
+    for (std::size_t k = 0; k < count; ++k) {
+      if (panels_[k].failed_landmark >= 0) return panels_[k].failed_landmark;
+    }
     threads->Run(num_tasks, [&](int task) {
       for (std::size_t k = 0; k < count; ++k) {
         const Panel& panel = panels_[k];
@@ -174,6 +160,19 @@ void NormalEquations::ReduceLandmarks(const Structure& structure,
       }
     });
   }
+  return -1;
+}
+
+void NormalEquations::PlaceFactors(const Structure& structure) {
+  if (factors_of_ == structure.analysis()) return;
+  factors_of_ = structure.analysis();
+  factor_begin_.clear();
+  std::int64_t total = 0;
+  for (const LandmarkBlock& landmark : structure.landmarks()) {
+    factor_begin_.push_back(total);
+    total += landmark.dim * landmark.dim;
+  }
+  h_ll_factor_.resize(Index(total));
 }
 
 StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& graph,
@@ -183,28 +182,28 @@ StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& 
   eliminated_ = &structure;
   threads_ = threads;
   damping_ = damping;
-  const std::size_t num_landmarks = structure.landmarks().size();
-  factor_begin_.resize(num_landmarks);
-  std::int64_t total = 0;
-  for (std::size_t l = 0; l < num_landmarks; ++l) {
-    factor_begin_[l] = total;
-    total += structure.landmarks()[l].dim * structure.landmarks()[l].dim;
-  }
-  h_ll_factor_.resize(Index(total));
+  PlaceFactors(structure);
 
   threads->Run(structure.num_chunks(), [&](int chunk) {
-    FactorLandmarks(structure, damping, chunk);
     chunks_[Index(chunk)].failed_lane = twists_->Eliminate(structure, damping, chunk);
   });
-  if (StepFailure failure = CheckLandmarks(structure, graph); !failure.ok()) return failure;
+  for (int c = 0; c < structure.num_chunks(); ++c) {
+    const int lane = chunks_[Index(c)].failed_lane;
+    if (lane < 0) continue;
+    return CannotEliminate(graph.Pool<VertexInverseDepth>()->HandleAt(
+        structure.groups().landmark_of_lane[Index(lane)]));
+  }
 
-  const int threads_used = num_landmarks > 0 ? threads->num_threads() : 1;
+  const int threads_used = !structure.landmarks().empty() ? threads->num_threads() : 1;
   const std::vector<std::int32_t>& cuts =
       schur_->CutColumns(structure, threads_used == 1 ? 1 : kTasksPerThread * threads_used);
   threads->Run(static_cast<int>(cuts.size()) - 1, [&](int task) {
     StartColumns(structure, damping, cuts[Index(task)], cuts[Index(task) + 1]);
   });
-  ReduceLandmarks(structure, cuts, threads);
+  if (const int failed = ReduceLandmarks(structure, damping, cuts, threads); failed >= 0) {
+    const LandmarkBlock& landmark = structure.landmarks()[Index(failed)];
+    return CannotEliminate(graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index));
+  }
   twists_->AddReduced(structure, graph, threads, schur_->group_places(), schur_->data(),
                       schur_->rhs().data());
   return {};

@@ -150,19 +150,25 @@ void NormalEquations::FillDiagonal(const Structure& structure) {
     for (int i = 0; i < pose.dim; ++i)
       diagonal_[Index(pose.offset + i)] += constants_[k].data[i * (constants_[k].stride + 1)];
   }
-  for (const LandmarkBlock& landmark : structure.landmarks()) {
+  const std::size_t first_lane = Index(num_poses_scalars_ + structure.groups().first_step);
+  const std::size_t lanes = structure.groups().landmark_of_lane.size();
+  for (std::size_t k = 0; k < lanes; ++k) {
+    diagonal_[first_lane + k] = twists_->h()[k];
+    b_[first_lane + k] = twists_->b()[k];
+  }
+}
+
+// The same of a chunk's landmarks, as long as their records are in the cache.
+void NormalEquations::FillLandmarks(const Structure& structure, int chunk) {
+  for (int l = structure.landmark_chunks()[Index(chunk)];
+       l < structure.landmark_chunks()[Index(chunk) + 1]; ++l) {
+    const LandmarkBlock& landmark = structure.landmarks()[Index(l)];
     const double* record = landmarks_.data() + landmark.record;
     for (int k = 0; k < landmark.dim; ++k) {
       const std::size_t scalar = Index(num_poses_scalars_ + landmark.step + k);
       diagonal_[scalar] = record[k * landmark.dim + k];
       b_[scalar] = record[landmark.dim * landmark.dim + k];
     }
-  }
-  const std::size_t first_lane = Index(num_poses_scalars_ + structure.groups().first_step);
-  const std::size_t lanes = structure.groups().landmark_of_lane.size();
-  for (std::size_t k = 0; k < lanes; ++k) {
-    diagonal_[first_lane + k] = twists_->h()[k];
-    b_[first_lane + k] = twists_->b()[k];
   }
 }
 

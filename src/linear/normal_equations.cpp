@@ -98,6 +98,7 @@ void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& gr
     out.failed_edge = sink.failed_edge;
     return;
   }
+  FillLandmarks(structure, chunk);
   out.cost = sink.cost;
 }
 

@@ -130,16 +130,19 @@ class NormalEquations {
   void ProjectFreeTangents(const Structure& structure, Graph* graph);
   void FindConstants(const Structure& structure, const Graph& graph);
   void FillDiagonal(const Structure& structure);
-  void FactorLandmarks(const Structure& structure, const DampingTerm& damping, int chunk);
-  StepFailure CheckLandmarks(const Structure& structure, const Graph& graph) const;
+  void FillLandmarks(const Structure& structure, int chunk);
+  static StepFailure CannotEliminate(const AnyVertex& landmark);
   void StartColumns(const Structure& structure, const DampingTerm& damping, std::int32_t begin,
                     std::int32_t end);
   struct Panel {
     std::vector<double> z, beta;
+    int failed_landmark = -1;
   };
-  void FillPanel(const Structure& structure, std::size_t batch, Panel* panel) const;
-  void ReduceLandmarks(const Structure& structure, const std::vector<std::int32_t>& cuts,
-                       ThreadPool* threads);
+  void PlaceFactors(const Structure& structure);
+  void FillPanel(const Structure& structure, const DampingTerm& damping, std::size_t batch,
+                 Panel* panel);
+  int ReduceLandmarks(const Structure& structure, const DampingTerm& damping,
+                      const std::vector<std::int32_t>& cuts, ThreadPool* threads);
   void MultiplyReduced(const double* x, double* y);
   void MultiplyPoses(const Hessian& H, int chunk, int num_chunks, const double* x, double* y) const;
 
@@ -149,7 +152,6 @@ class NormalEquations {
     double cost = 0.0;
     int failed_pool = -1;
     int failed_edge = -1;
-    int failed_landmark = -1;
     int failed_lane = -1;
     std::vector<double> product;  // part of S x
   };
@@ -165,6 +167,7 @@ class NormalEquations {
   std::vector<double> landmarks_;    // records, see edge_plan.h
   std::vector<double> h_ll_factor_;  // C of the damped H_ll^-1 = C'C, dim x dim per landmark
   std::vector<std::int64_t> factor_begin_;
+  std::uint64_t factors_of_ = 0;  // the analysis that these belong to
   std::vector<Panel> panels_;     // batches of landmarks that are eliminated at the same time
   std::vector<double> diagonal_;  // diag(H), pose scalars then landmark scalars
   std::vector<double> b_;         // the same order
