@@ -147,16 +147,25 @@ struct KernelTable {
 
   // ---- Landmarks of one host, poses as twists (kernels/twists.h) -------------------------------
 
-  /// Residuals and Jacobians of reprojections (kernels/two_view.h).
-  void (*two_view_lanes)(const TwoViewRun* run);
-  /// Adds what a run of edges makes: every array after `frame`. Returns 0 where a sum is not
-  /// finite, else 1.
-  int (*twist_sums)(const TwistRun* run);
-  /// One column per lane, of 7 + 6 num_targets rows:
-  ///   [beta; scale * W_host; scale * W_target 0; ...]   in twists; ldw >= that. Rows of targets
-  /// that do not see the lane are not written.
-  void (*twist_panel)(const TwistGroup* group, const double* scale, const double* beta, double* w,
-                      int ldw);
+  /// Residuals and Jacobians of reprojections (kernels/two_view.h); finite where a lane does not
+  /// count.
+  void (*two_view_lanes)(const TwoViewRun* run, const TwoViewValues* values);
+  /// Their cost: half the sum of their losses.
+  double (*two_view_cost)(const TwoViewRun* run, const TwoViewWeights* weights);
+  /// Evaluates, weighs and adds to the sums in one. cost: out. Returns 0 where a sum or the cost is
+  /// not finite, else 1. The frame of the target is its camera's, with turn = R.
+  int (*two_view_sums)(const TwoViewRun* run, const TwoViewWeights* weights, const TwistTotals* to,
+                       double* cost);
+  /// Adds what a run of edges makes. Returns 0 where a sum is not finite, else 1.
+  int (*twist_sums)(const TwistRun* run, const TwistTotals* to);
+  /// One column per lane, of n = 7 + 6 num_targets rows rounded up to kPanelRows:
+  ///   [beta; scale * W_host; scale * W_target 0; ...]   in twists.
+  /// Rows of targets that do not see the lane are zero up to the end of their block of kPanelRows,
+  /// and not written in the blocks after that.
+  void (*twist_panel)(const TwistGroup* group, const double* scale, const double* beta, double* w);
+  /// reduced = -w w' of such a panel, lower triangle, column-major with its stride. The upper
+  /// triangle and what belongs to rows beyond n is scratch.
+  void (*twist_reduce)(const TwistGroup* group, const double* w, double* reduced);
   /// product = W' xi per lane; twists: 6 numbers for the host, then for each target.
   void (*twist_transpose_product)(const TwistGroup* group, const double* twists, double* product);
   /// sums = W u, in twists: 6 numbers for the host, then for each target.
@@ -173,10 +182,10 @@ struct KernelTable {
   /// numbers behind `reduced`. Of diagonal blocks the lower triangle counts only.
   void (*add_twist_blocks)(int frames, const int32_t* map, const double* reduced, int stride,
                            double* blocks);
-  /// out(r, c) += alpha (Ti' B Tj)(r, c), 6 x 6. Ti and Tj row-major with rows of 8 doubles whose
-  /// last two are 0; B row-major with rows of ldb.
+  /// out += alpha Ti' B Tj, 6 x 6 row-major: B with rows of ldb, out of row_stride, T = [I, X; 0,
+  /// R] of 8.
   void (*map_block)(double alpha, const double* ti, const double* b, int ldb, const double* tj,
-                    double* out, int row_stride, int col_stride);
+                    double* out, int row_stride);
 
   /// C, lower triangular, with H^-1 = C'C: in place of a symmetric positive definite matrix of
   /// size n (1 to 4), row-major (only the lower triangle is read; zeros above C's diagonal).

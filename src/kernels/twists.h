@@ -20,6 +20,9 @@ namespace glissade::kernels {
 /// Arrays of lanes come in blocks of this many, whatever the instruction set.
 constexpr int kLaneBlock = 8;
 
+/// Rows of a panel (see KernelTable::twist_panel) in one block.
+constexpr int kPanelRows = 8;
+
 /// Numbers of a sum over a run, with padding: 21 of a symmetric matrix and 6 of a vector.
 constexpr int kTwistSums = 32;
 
@@ -31,24 +34,26 @@ struct TwistFrame {
   bool turned;     ///< turn is not the identity
 };
 
-/// Values of a run of edges, lanes of one target; rows and columns as in kernels.h.
+/// Where a run of edges, lanes of one target, adds its sums.
+struct TwistTotals {
+  const TwistFrame* frame;  ///< of the target
+  double* h;                ///< H_ll per lane: added to, as all that follows
+  double* b;                ///< b_l = -J_l'r per lane
+  double* force;  ///< six arrays of force_lanes: sum over rows of j [f; q], j = dr/dlandmark
+  int64_t force_lanes;
+  bool sets_force;  ///< force is set, not added to
+  double* sums;     ///< kTwistSums numbers: [f; q][f; q]', lower triangle by rows, and r [f; q]
+};
+
+/// Values of a run of edges; rows and columns as in kernels.h.
 struct TwistRun {
   int32_t rows;
   int32_t lanes;  ///< multiple of kLaneBlock
   const double* r;
   const double* J_l;     ///< by the landmark
   const double* J;       ///< by the target, rows x 6; null: edges on the landmark alone
-  bool two_views;        ///< J is u, v, 1/z and rho of two rows (kernels/two_view.h), frame turned
   double scale;          ///< multiplies J_l and J
   const double* weight;  ///< null: 1; else multiplies r, J_l and J, per lane
-  const TwistFrame* frame;
-
-  double* h;      ///< H_ll per lane: added to, as all that follows
-  double* b;      ///< b_l = -J_l'r per lane
-  double* force;  ///< six arrays of force_lanes: sum over rows of j [f; q], j = dr/dlandmark
-  int64_t force_lanes;
-  bool sets_force;  ///< force is set, not added to
-  double* sums;     ///< kTwistSums numbers: [f; q][f; q]', lower triangle by rows, and r [f; q]
 };
 
 /// What a target has of a group after its runs.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Data of the kernel that evaluates reprojections of inverse depths between two ideal cameras.
+// Data of the kernels for reprojections of inverse depths between two ideal cameras.
 //
 // With camera poses (R, c) of host h and target t in the world, bearing b = (x, y, 1) and inverse
 // depth rho,
@@ -21,17 +21,27 @@ struct TwoViewCamera {
   double c[3];     ///< relative to a point that is the same for both
 };
 
+/// Arrays of `lanes`, a multiple of kLaneBlock.
 struct TwoViewRun {
-  int32_t lanes;         ///< multiple of kLaneBlock
-  const double* uv;      ///< four arrays of `lanes`: host's x, y, target's u, v
-  const double* depths;  ///< inverse depth of lane s: depths[depth_of_lane[s]]
-  const int32_t* depth_of_lane;
+  int32_t lanes;
+  const double* uv;     ///< four arrays: host's x, y, target's u, v
+  const double* depth;  ///< inverse depths
+  const double* mask;   ///< null, or 0 where a lane does not count and its depth is not looked at
   const TwoViewCamera* host;
   const TwoViewCamera* target;
-  double* r;    ///< out: 2 x 1, as all in lanes (kernels.h)
-  double* J_l;  ///< out: by rho, 2 x 1; null: not wanted, and neither is J
-  double* J;    ///< out: 2 x 6, by the target camera; where `compact`, u, v, 1/z and rho instead
-  bool compact;
+};
+
+/// What multiplies residuals that are not whitened but by a factor.
+struct TwoViewWeights {
+  double scale;         ///< of the residual
+  const double* width;  ///< of Huber's loss per lane (infinite: none); null: none
+};
+
+/// As all in lanes (kernels.h).
+struct TwoViewValues {
+  double* r;    ///< 2 x 1
+  double* J_l;  ///< by rho, 2 x 1; null: not wanted, and neither is J
+  double* J;    ///< 2 x 6, by the target camera
 };
 
 }  // namespace glissade::kernels

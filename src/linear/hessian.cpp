@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "glissade/linear/normal_equations.h"
+#include "linear/free_tangents.h"
 #include "linear/twist_terms.h"
 
 namespace glissade {
@@ -17,19 +18,6 @@ namespace {
 
 std::size_t Index(std::int64_t i) {
   return static_cast<std::size_t>(i);
-}
-
-/// x <- P'x for the part x of a vector or matrix that belongs to a partly fixed vertex: E'x, then
-/// zeros where a coordinate is held.
-void Project(const FreeTangent& tangent, double* x, int stride) {
-  double free[FreeTangent::kMaxTangentDim] = {};
-  for (int c = 0; c < tangent.free_dim; ++c) {
-    for (int r = 0; r < tangent.tangent_dim; ++r) {
-      free[c] += tangent.basis[r * tangent.free_dim + c] * x[r * stride];
-    }
-  }
-  for (int k = 0; k < tangent.tangent_dim; ++k)
-    x[k * stride] = free[k];
 }
 
 }  // namespace

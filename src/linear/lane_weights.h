@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "glissade/graph/edge_pool_base.h"
+#include "linear/aligned.h"
 
 namespace glissade {
 
@@ -38,13 +39,22 @@ class LaneWeights {
     const double* weight = nullptr;
   };
   struct Scratch {
-    std::vector<double> work, squares, root, alpha, residual;
+    AlignedDoubles work, squares, root, alpha, residual;
     /// rows: of the largest residual.
     void Resize(std::size_t lanes, std::size_t rows);
   };
 
   void Clear() { numbers_.clear(); }
   Run Add(const EdgePoolBase& pool, const std::int32_t* edges, int rows, int count, int lanes);
+  /// Of a run whose L is a factor of the identity: that factor.
+  [[nodiscard]] double ScaleOf(const Run& run) const {
+    return run.whitening == Run::Whitening::kScaled ? numbers_[static_cast<std::size_t>(run.root)]
+                                                    : 1.0;
+  }
+  /// Of Huber's losses per lane; null where there are none.
+  [[nodiscard]] const double* WidthsOf(const Run& run) const {
+    return run.robust == Run::Robust::kHuber ? numbers_.data() + run.widths : nullptr;
+  }
   /// Whitens r and adds the run's cost. J are whitened and corrected but for `factors`. mask: null,
   /// or 0 where a lane does not count. Returns the first lane whose cost is not finite, or -1.
   int Weigh(const Run& run, const EdgePoolBase& pool, const std::int32_t* edges, const double* mask,
@@ -57,7 +67,7 @@ class LaneWeights {
                      const double* mask, double* r, std::span<const LaneMatrix> J, Scratch* scratch,
                      double* cost, Factors* factors) const;
 
-  std::vector<double> numbers_;
+  AlignedDoubles numbers_;
 };
 
 /// The first lane of which one of `count` numbers is not finite, or -1.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "linear/free_tangents.h"
 #include "linear/twist_terms.h"
 
 namespace glissade {
@@ -26,12 +27,16 @@ void MirrorLower(double* block) {
 }
 }  // namespace
 
+const double* TwistTerms::BlockOf(const ChunkBlock& block) const {
+  return chunks_[Index(block.chunk)].blocks.data() + kBlockSize * Index(block.index);
+}
+
 int TwistTerms::Eliminate(const Structure& structure, const DampingTerm& damping, int chunk) {
   const LandmarkPlan& plan = structure.groups();
   if (plan.empty()) return -1;
   const kernels::KernelTable& kernel = kernels::Kernels();
   Chunk& out = chunks_[Index(chunk)];
-  out.blocks.assign(kBlockSize * plan.blocks.size(), 0.0);
+  out.blocks.assign(kBlockSize * Index(blocks_of_chunk_[Index(chunk)]), 0.0);
   out.twist_rhs.assign(6 * structure.poses().size(), 0.0);
   for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
     const LandmarkGroup& group = plan.groups[Index(g)];
@@ -49,33 +54,14 @@ int TwistTerms::Eliminate(const Structure& structure, const DampingTerm& damping
     if (bad >= 0) return static_cast<int>(begin) + bad;
     // C = -W W' over [rhs; host; targets]: the first column holds what goes to the right-hand side.
     const int rows = 7 + 6 * host->num_targets;
-    const int stride = (rows + 7) / 8 * 8;
-    if (out.panel.size() < Index(stride) * Index(group.lanes)) {
-      out.panel.resize(Index(stride) * Index(group.lanes));
-    }
-    if (out.reduced.size() < Index(stride) * Index(rows) + kBlockStride) {
-      out.reduced.resize(Index(stride) * Index(rows) + kBlockStride);
-    }
-    kernel.twist_panel(host, scale_.data() + begin, beta_.data() + begin, out.panel.data(), stride);
-    // Landmarks see prefixes of the targets: each run of lanes needs the rows of its own only.
-    for (std::int32_t lane = 0; lane < group.lanes;) {
-      const auto seen = [&](std::int32_t at) {
-        int count = 0;
-        while (count < host->num_targets && host->targets[count].lanes > at)
-          ++count;
-        return count;
-      };
-      const int count = seen(lane);
-      std::int32_t end = lane + kernels::kLaneBlock;
-      while (end < group.lanes && seen(end) == count)
-        end += kernels::kLaneBlock;
-      // The first run sees all targets.
-      (lane == 0 ? kernel.syrk_lower_set_negative : kernel.syrk_lower_sub)(
-          7 + 6 * count, end - lane, out.panel.data() + Index(lane) * Index(stride), stride,
-          out.reduced.data(), stride);
-      lane = end;
-    }
-    const std::int32_t* map = plan.block_map.data() + group.map_begin;
+    const int stride = (rows + kernels::kPanelRows - 1) / kernels::kPanelRows * kernels::kPanelRows;
+    const std::size_t panel = Index(stride) * Index(group.lanes);
+    const std::size_t square = Index(stride) * Index(stride);
+    if (out.panel.size() < panel) out.panel.resize(panel);
+    if (out.reduced.size() < square + kBlockStride) out.reduced.resize(square + kBlockStride);
+    kernel.twist_panel(host, scale_.data() + begin, beta_.data() + begin, out.panel.data());
+    kernel.twist_reduce(host, out.panel.data(), out.reduced.data());
+    const std::int32_t* map = chunk_map_.data() + group.map_begin;
     kernel.add_twist_blocks(host->num_targets + 1, map, out.reduced.data() + 1 + stride, stride,
                             out.blocks.data());
     for (int i = 0; i <= host->num_targets; ++i) {
@@ -108,11 +94,37 @@ void TwistTerms::ProjectMaps(const Structure& structure, const Graph& graph) {
   }
 }
 
+/// Adds a block to S, in the tangent.
+void TwistTerms::AddMapped(const Structure& structure, const Graph& graph,
+                           const LandmarkPlanBlock& block, const double* sum, double* S,
+                           std::int64_t stride) const {
+  // Blocks are column-major, map_block is row-major: (Tr'B Tc)' = Tc'B'Tr.
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  const double *Tr = maps_[Index(block.row)].T, *Tc = maps_[Index(block.col)].T;
+  const std::int32_t row = structure.poses()[Index(block.row)].free_tangent;
+  const std::int32_t col = structure.poses()[Index(block.col)].free_tangent;
+  if (row < 0 && col < 0) {
+    kernel.map_block(1.0, Tc, sum, kBlockStride, Tr, S, static_cast<int>(stride));
+    return;
+  }
+  double mapped[36] = {};
+  kernel.map_block(1.0, Tc, sum, kBlockStride, Tr, mapped, 6);
+  for (int k = 0; k < 6; ++k) {
+    if (row >= 0) Project(graph.free_tangents()[Index(row)], mapped + 6 * k, 1);
+  }
+  for (int k = 0; k < 6; ++k) {
+    if (col >= 0) Project(graph.free_tangents()[Index(col)], mapped + k, 6);
+  }
+  for (int c = 0; c < 6; ++c) {
+    for (int r = 0; r < 6; ++r)
+      S[r + c * stride] += mapped[6 * c + r];
+  }
+}
+
 void TwistTerms::AddReduced(const Structure& structure, const Graph& graph, ThreadPool* threads,
                             const std::vector<BlockPlace>& places, double* S, double* b_s) {
   const LandmarkPlan& plan = structure.groups();
   if (plan.empty()) return;
-  const kernels::KernelTable& kernel = kernels::Kernels();
   ProjectMaps(structure, graph);
   const int num_chunks = structure.num_chunks();
   const std::size_t num_blocks = plan.blocks.size();
@@ -121,17 +133,18 @@ void TwistTerms::AddReduced(const Structure& structure, const Graph& graph, Thre
     const std::size_t end = num_blocks * Index(task + 1) / Index(num_chunks);
     for (std::size_t k = num_blocks * Index(task) / Index(num_chunks); k < end; ++k) {
       if (!places[k].stored()) continue;
-      double* const block = chunks_.front().blocks.data() + kBlockSize * k;
-      for (int c = 1; c < num_chunks; ++c) {
-        const double* other = chunks_[Index(c)].blocks.data() + kBlockSize * k;
+      double block[kBlockSize];
+      const ChunkBlock* from = chunk_blocks_.data() + chunk_blocks_begin_[k];
+      const ChunkBlock* const last = chunk_blocks_.data() + chunk_blocks_begin_[k + 1];
+      std::copy_n(BlockOf(*from), kBlockSize, block);
+      while (++from != last) {
+        const double* other = BlockOf(*from);
         for (std::size_t i = 0; i < kBlockSize; ++i)
           block[i] += other[i];
       }
       const std::int32_t row = plan.blocks[k].row, col = plan.blocks[k].col;
       if (row == col) MirrorLower(block);
-      // Blocks are column-major, map_block is row-major: (Tr'B Tc)' = Tc'B'Tr.
-      kernel.map_block(1.0, projected_maps_[Index(col)].T, block, kBlockStride,
-                       projected_maps_[Index(row)].T, S + places[k].offset, places[k].stride, 1);
+      AddMapped(structure, graph, plan.blocks[k], block, S + places[k].offset, places[k].stride);
       if (row == col) AddRhs(structure, row, b_s);
     }
   });
@@ -158,7 +171,7 @@ void TwistTerms::FillTwists(const Structure& structure, const double* x, int gro
                             Chunk* chunk) const {
   const LandmarkPlan& plan = structure.groups();
   const LandmarkGroup& g = plan.groups[Index(group)];
-  std::vector<double>& twists = chunk->twists;
+  AlignedDoubles& twists = chunk->twists;
   const int num_frames = g.pair_end - g.pair_begin + 1;
   if (twists.size() < Index(6 * num_frames)) twists.resize(Index(6 * num_frames));
   if (chunk->product.size() < Index(g.lanes)) chunk->product.resize(Index(g.lanes));

@@ -17,8 +17,6 @@ std::size_t Index(std::int64_t i) {
 
 /// Values of so many edges stay in the first-level cache while they are used.
 constexpr std::int32_t kMaxSegment = 64;
-/// A camera is looked for among so many of its pose: a rig has a handful.
-constexpr int kMaxLookedAt = 16;
 
 }  // namespace
 
@@ -40,7 +38,7 @@ void TwistTerms::Pack(const Structure& structure, const Graph& graph) {
   targets_.clear();
   max_values_ = max_work_ = max_rows_ = 0;
   const std::size_t lanes = plan.landmark_of_lane.size();
-  for (auto* array : {&b_, &h_, &scale_, &beta_, &inverse_h_})
+  for (auto* array : {&b_, &h_, &scale_, &beta_, &inverse_h_, &depth_})
     array->assign(lanes, 0.0);
   force_.assign(6 * Index(plan.pair_lanes), 0.0);
   has_run_.assign(plan.pairs.size(), 0);
@@ -58,6 +56,7 @@ void TwistTerms::Pack(const Structure& structure, const Graph& graph) {
     segment_begin_.push_back(static_cast<std::int32_t>(segments_.size()));
   }
   if (plan.empty()) return;
+  PlanBlocks(structure);
   for (Chunk& chunk : chunks_) {
     chunk.values.resize(std::max(chunk.values.size(), max_values_));
     chunk.work.resize(std::max(chunk.work.size(), max_work_));
@@ -102,48 +101,45 @@ void TwistTerms::PackRun(const LandmarkPlan& plan, const Graph& graph, std::int3
   max_work_ = std::max(max_work_, Index(rows * (kColumns + 6)));
 }
 
-void TwistTerms::PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool, std::int32_t host,
-                              Segment* segment) {
-  const LandmarkRun& run = plan.runs[Index(segment->run)];
-  const std::int32_t* edges = plan.edge_of_slot.data() + run.begin + segment->first;
-  TwoViewObservation observation;
-  if (!pool.TwoView(edges[0], &observation)) return;
-  segment->host_camera = FindCamera(host, observation.T_b_host);
-  segment->target_camera =
-      FindCamera(plan.pairs[Index(run.pair)].target.pose, observation.T_b_target);
-  using Weights = LaneWeights::Run;
-  segment->compact = (segment->weights.whitening == Weights::Whitening::kIdentity ||
-                      segment->weights.whitening == Weights::Whitening::kScaled) &&
-                     segment->weights.robust != Weights::Robust::kAny;
-  segment->uv = static_cast<std::int64_t>(uv_.size());
-  uv_.resize(uv_.size() + 4 * Index(segment->lanes));
-  double* const uv = uv_.data() + segment->uv;
-  for (std::int32_t s = 0; s < segment->lanes; ++s) {
-    static_cast<void>(pool.TwoView(edges[s], &observation));
-    for (int k = 0; k < 2; ++k) {
-      uv[k * segment->lanes + s] = observation.uv_host[k];
-      uv[(2 + k) * segment->lanes + s] = observation.uv_target[k];
+// A chunk's groups fill few of the blocks: it clears those alone, and only their sums are added up.
+void TwistTerms::PlanBlocks(const Structure& structure) {
+  const LandmarkPlan& plan = structure.groups();
+  const int num_chunks = structure.num_chunks();
+  chunk_map_ = plan.block_map;
+  blocks_of_chunk_.assign(Index(num_chunks), 0);
+  auto& [newest, index, plan_block, next] = plan_scratch_;
+  newest.assign(plan.blocks.size(), -1);
+  index.assign(plan.blocks.size(), 0);
+  plan_block.clear();
+  chunk_blocks_begin_.assign(plan.blocks.size() + 1, 0);
+  for (int chunk = 0; chunk < num_chunks; ++chunk) {
+    const auto map_begin = [&](std::int32_t group) {
+      return Index(group) < plan.groups.size() ? Index(plan.groups[Index(group)].map_begin)
+                                               : plan.block_map.size();
+    };
+    const std::size_t end = map_begin(plan.chunk_begin[Index(chunk) + 1]);
+    for (std::size_t k = map_begin(plan.chunk_begin[Index(chunk)]); k < end; ++k) {
+      const std::int32_t entry = plan.block_map[k];
+      if (entry == LandmarkPlan::kNoBlock) continue;
+      const std::size_t block = Index(entry >= 0 ? entry : ~entry);
+      if (newest[block] != chunk) {
+        newest[block] = chunk;
+        index[block] = blocks_of_chunk_[Index(chunk)]++;
+        plan_block.push_back(static_cast<std::int32_t>(block));
+        ++chunk_blocks_begin_[block + 1];
+      }
+      chunk_map_[k] = entry >= 0 ? index[block] : ~index[block];
     }
   }
-}
-
-// Cameras of one pose are chained, newest first. One that is not found among the newest is there
-// twice, which costs its update and nothing else.
-std::int32_t TwistTerms::FindCamera(std::int32_t pose, const double* T_b_c) {
-  if (newest_camera_.size() <= Index(pose)) newest_camera_.resize(Index(pose) + 1, -1);
-  std::int32_t& newest = newest_camera_[Index(pose)];
-  int looked_at = 0;
-  for (std::int32_t c = newest; c >= 0 && looked_at < kMaxLookedAt;
-       c = cameras_[Index(c)].next, ++looked_at) {
-    if (std::equal(T_b_c, T_b_c + 7, cameras_[Index(c)].T_b_c.data)) return c;
+  for (std::size_t b = 0; b < plan.blocks.size(); ++b)
+    chunk_blocks_begin_[b + 1] += chunk_blocks_begin_[b];
+  chunk_blocks_.resize(plan_block.size());
+  next.assign(chunk_blocks_begin_.begin(), chunk_blocks_begin_.end() - 1);
+  std::size_t k = 0;
+  for (int chunk = 0; chunk < num_chunks; ++chunk) {
+    for (std::int32_t i = 0; i < blocks_of_chunk_[Index(chunk)]; ++i, ++k)
+      chunk_blocks_[Index(next[Index(plan_block[k])]++)] = {chunk, i};
   }
-  Camera camera;
-  camera.pose = pose;
-  camera.next = newest;
-  std::copy_n(T_b_c, 7, camera.T_b_c.data);
-  newest = static_cast<std::int32_t>(cameras_.size());
-  cameras_.push_back(camera);
-  return newest;
 }
 
 std::int64_t TwistTerms::Edges(const Structure& structure, int pool) const {

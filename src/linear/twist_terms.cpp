@@ -3,6 +3,7 @@
 #include "linear/twist_terms.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "glissade/lie/quaternion.h"
 #include "glissade/vertices/pose.h"
@@ -92,28 +93,6 @@ void TwistTerms::UpdateFrames(const Structure& structure, const Graph& graph) {
   }
 }
 
-const kernels::TwistFrame& TwistTerms::FrameOf(const Segment& segment, std::int32_t pose) const {
-  return segment.target_camera < 0 ? frames_[Index(pose)]
-                                   : cameras_[Index(segment.target_camera)].frame;
-}
-
-void TwistTerms::EvaluateTwoViews(const LandmarkPlan& plan, const Graph& graph,
-                                  const Segment& segment, const Values& values) const {
-  const LandmarkRun& run = plan.runs[Index(segment.run)];
-  kernels::TwoViewRun lanes{};
-  lanes.lanes = segment.lanes;
-  lanes.uv = uv_.data() + segment.uv;
-  lanes.depths = graph.Pool<VertexInverseDepth>()->Data(0);
-  lanes.depth_of_lane = plan.landmark_of_slot.data() + run.begin + segment.first;
-  lanes.host = &cameras_[Index(segment.host_camera)].at;
-  lanes.target = &cameras_[Index(segment.target_camera)].at;
-  lanes.r = values.r;
-  lanes.J_l = values.J_l;
-  lanes.J = values.J;
-  lanes.compact = segment.compact;
-  kernels::Kernels().two_view_lanes(&lanes);
-}
-
 TwistTerms::Values TwistTerms::Place(const Segment& segment, bool has_target, bool jacobians,
                                      Chunk* chunk) {
   Values values;
@@ -124,14 +103,13 @@ TwistTerms::Values TwistTerms::Place(const Segment& segment, bool has_target, bo
   values.J_l = values.r + size;
   if (has_target) values.J = values.J_l + size;
   values.count = (has_target ? kColumns : 2) * size;
-  if (segment.compact) values.count = (2 + kTwoViewColumns) * size;
   return values;
 }
 
-int TwistTerms::Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
+int TwistTerms::Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
                          const Segment& segment, const Values& values, Chunk* chunk, double* cost,
                          LaneWeights::Factors* factors) const {
-  const int failed = EvaluateRaw(plan, graph, host, segment, values, chunk);
+  const int failed = EvaluateRaw(plan, graph, group, segment, values, chunk);
   if (failed >= 0) return failed;
   const LandmarkRun& run = plan.runs[Index(segment.run)];
   const std::int32_t slot = run.begin + segment.first;
@@ -143,10 +121,13 @@ int TwistTerms::Evaluate(const LandmarkPlan& plan, const Graph& graph, const Lan
                         {J, matrices}, &chunk->weights, cost, factors);
 }
 
-int TwistTerms::EvaluateRaw(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
-                            const Segment& segment, const Values& values, Chunk* chunk) const {
+int TwistTerms::EvaluateRaw(const LandmarkPlan& plan, const Graph& graph,
+                            const LandmarkGroup& group, const Segment& segment,
+                            const Values& values, Chunk* chunk) const {
   if (segment.host_camera >= 0) {
-    EvaluateTwoViews(plan, graph, segment, values);
+    const kernels::TwoViewRun lanes = TwoViewsOf(plan, group, segment);
+    const kernels::TwoViewValues out{values.r, values.J_l, values.J};
+    kernels::Kernels().two_view_lanes(&lanes, &out);
     return -1;
   }
   const LandmarkRun& run = plan.runs[Index(segment.run)];
@@ -160,7 +141,7 @@ int TwistTerms::EvaluateRaw(const LandmarkPlan& plan, const Graph& graph, const 
   const double* states[3] = {nullptr, nullptr, nullptr};
   double* J[3] = {values.J_l, nullptr, nullptr};
   if (run.pair >= 0) {
-    states[0] = poses.Data(host.pose);
+    states[0] = poses.Data(group.host.pose);
     states[1] = poses.Data(plan.pairs[Index(run.pair)].target.pose);
     J[0] = nullptr;
     J[1] = values.J;
@@ -186,10 +167,36 @@ int TwistTerms::EvaluateRaw(const LandmarkPlan& plan, const Graph& graph, const 
   return -1;
 }
 
+int TwistTerms::AddValues(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
+                          const Segment& segment, const kernels::TwistTotals& totals, Chunk* chunk,
+                          double* cost) const {
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  if (segment.in_one) {
+    const kernels::TwoViewRun lanes = TwoViewsOf(plan, group, segment);
+    const kernels::TwoViewWeights weights = TwoViewWeightsOf(segment);
+    double added = 0.0;
+    if (kernel.two_view_sums(&lanes, &weights, &totals, &added) != 0) {
+      *cost += added;
+      return -1;
+    }
+    // Once more with the values written down, to find whose it is.
+  }
+  const bool has_target = plan.runs[Index(segment.run)].pair >= 0;
+  const Values values = Place(segment, has_target, true, chunk);
+  LaneWeights::Factors factors;
+  const int failed = Evaluate(plan, graph, group, segment, values, chunk, cost, &factors);
+  if (failed >= 0) return failed;
+  const kernels::TwistRun run{segment.weights.rows, segment.lanes, values.r, values.J_l, values.J,
+                              factors.scale,        factors.weight};
+  // What is not finite in the values is not in the sums.
+  if (!segment.in_one && kernel.twist_sums(&run, &totals) != 0) return -1;
+  return FindNotFiniteLane(segment.lanes, values.count, values.r);
+}
+
 bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, int index,
                                 NormalEquationsSink* sink, Chunk* chunk, std::int32_t* pool) {
-  const kernels::KernelTable& kernel = kernels::Kernels();
   const LandmarkGroup& group = plan.groups[Index(index)];
+  FillDepths(plan, graph, group);
   std::fill_n(h_.begin() + group.lane_begin, group.lanes, 0.0);
   std::fill_n(b_.begin() + group.lane_begin, group.lanes, 0.0);
   for (std::int32_t p = group.pair_begin; p < group.pair_end; ++p) {
@@ -201,34 +208,19 @@ bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, in
   for (std::int32_t k = segment_begin_[Index(index)]; k < segment_begin_[Index(index) + 1]; ++k) {
     const Segment& segment = segments_[Index(k)];
     const LandmarkRun& run = plan.runs[Index(segment.run)];
-    const Values values = Place(segment, run.pair >= 0, true, chunk);
-    LaneWeights::Factors factors;
-    int failed = Evaluate(plan, graph, group.host, segment, values, chunk, &sink->cost, &factors);
-    if (failed >= 0) return Fail(plan, segment, failed, sink, pool);
     const std::int32_t lane = group.lane_begin + segment.lane;
-    kernels::TwistRun sums{};
-    sums.rows = segment.weights.rows;
-    sums.lanes = segment.lanes;
-    sums.r = values.r;
-    sums.J_l = values.J_l;
-    sums.scale = factors.scale;
-    sums.weight = factors.weight;
-    sums.h = h_.data() + lane;
-    sums.b = b_.data() + lane;
+    kernels::TwistTotals totals{};
+    totals.h = h_.data() + lane;
+    totals.b = b_.data() + lane;
     if (run.pair >= 0) {
       const LandmarkPair& pair = plan.pairs[Index(run.pair)];
-      TwistSum& sum = chunk->pairs[Index(run.pair - group.pair_begin)];
-      sums.J = values.J;
-      sums.two_views = segment.compact;
-      sums.frame = &FrameOf(segment, pair.target.pose);
-      sums.force = force_.data() + 6 * std::int64_t{pair.begin} + segment.lane;
-      sums.force_lanes = pair.lanes;
-      sums.sets_force = segment.sets_force;
-      sums.sums = sum.x;
+      totals.frame = &FrameOf(segment, pair.target.pose);
+      totals.force = force_.data() + 6 * std::int64_t{pair.begin} + segment.lane;
+      totals.force_lanes = pair.lanes;
+      totals.sets_force = segment.sets_force;
+      totals.sums = chunk->pairs[Index(run.pair - group.pair_begin)].x;
     }
-    // What is not finite in the values is not in the sums.
-    if (kernel.twist_sums(&sums) == 0)
-      failed = FindNotFiniteLane(segment.lanes, values.count, values.r);
+    const int failed = AddValues(plan, graph, group, segment, totals, chunk, &sink->cost);
     if (failed >= 0) return Fail(plan, segment, failed, sink, pool);
   }
   return true;
@@ -260,7 +252,7 @@ void TwistTerms::AddGroup(const Structure& structure, int index, double* h_pp, C
     double H[36];
     sum.Unpack(H);
     kernels::Kernels().map_block(-1.0, maps_[Index(row)].T, H, 6, maps_[Index(col)].T,
-                                 h_pp + pair.h_block, 6, 1);
+                                 h_pp + pair.h_block, 6);
   }
   if (h >= 0) chunk->frames[Index(h)].Add(at_host, 1.0);
 }
@@ -274,7 +266,7 @@ void TwistTerms::AddFrames(const Structure& structure, const Chunk& chunk, doubl
     const PoseBlock& pose = structure.poses()[k];
     double H[36];
     frame.Unpack(H);
-    kernels::Kernels().map_block(1.0, T, H, 6, T, h_pp + pose.h_diagonal, 6, 1);
+    kernels::Kernels().map_block(1.0, T, H, 6, T, h_pp + pose.h_diagonal, 6);
     // b = -J'r in the tangent: T' of the twist's.
     for (int c = 0; c < 6; ++c) {
       double sum = 0.0;
@@ -306,13 +298,24 @@ bool TwistTerms::Cost(const Structure& structure, const Graph& graph, int index,
   if (plan.empty()) return true;
   Chunk* chunk = &chunks_[Index(index)];
   for (int g = plan.chunk_begin[Index(index)]; g < plan.chunk_begin[Index(index) + 1]; ++g) {
+    const LandmarkGroup& group = plan.groups[Index(g)];
+    FillDepths(plan, graph, group);
     for (std::int32_t k = segment_begin_[Index(g)]; k < segment_begin_[Index(g) + 1]; ++k) {
       const Segment& segment = segments_[Index(k)];
+      if (segment.in_one) {
+        const kernels::TwoViewRun lanes = TwoViewsOf(plan, group, segment);
+        const kernels::TwoViewWeights weights = TwoViewWeightsOf(segment);
+        const double added = kernels::Kernels().two_view_cost(&lanes, &weights);
+        if (std::isfinite(added)) {
+          sink->cost += added;
+          continue;
+        }
+      }
       const bool has_target = plan.runs[Index(segment.run)].pair >= 0;
       const Values values = Place(segment, has_target, false, chunk);
       LaneWeights::Factors factors;
-      const int failed = Evaluate(plan, graph, plan.groups[Index(g)].host, segment, values, chunk,
-                                  &sink->cost, &factors);
+      const int failed =
+          Evaluate(plan, graph, group, segment, values, chunk, &sink->cost, &factors);
       if (failed >= 0) return Fail(plan, segment, failed, sink, pool);
     }
   }

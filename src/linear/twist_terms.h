@@ -7,6 +7,7 @@
 
 #include "glissade/linear/normal_equations.h"
 #include "kernels/kernels.h"
+#include "linear/aligned.h"
 #include "linear/lane_weights.h"
 #include "linear/schur_storage.h"
 
@@ -39,8 +40,8 @@ class TwistTerms {
   bool Cost(const Structure& structure, const Graph& graph, int chunk, NormalEquationsSink* sink,
             std::int32_t* pool);
   /// H_ll and b_l per lane.
-  [[nodiscard]] const std::vector<double>& h() const { return h_; }
-  [[nodiscard]] const std::vector<double>& b() const { return b_; }
+  [[nodiscard]] const AlignedDoubles& h() const { return h_; }
+  [[nodiscard]] const AlignedDoubles& b() const { return b_; }
 
   /// Of all runs of a pool: edges, and lanes with padding.
   [[nodiscard]] std::int64_t Edges(const Structure& structure, int pool) const;
@@ -69,8 +70,6 @@ class TwistTerms {
  private:
   /// Residual, and Jacobians by the landmark and by the target.
   static constexpr int kColumns = 8;
-  /// Of reprojections in compact form: four numbers for two rows.
-  static constexpr int kTwoViewColumns = 2;
   /// A part of a LandmarkRun whose values stay in the first-level cache.
   struct Segment {
     std::int32_t run = 0;
@@ -82,8 +81,8 @@ class TwistTerms {
     bool sets_force = false;  ///< the first of its target, for all lanes of it
     /// Reprojections between ideal cameras: these, in cameras_. -1: others.
     std::int32_t host_camera = -1, target_camera = -1;
-    std::int64_t uv = 0;   ///< their measurements in uv_
-    bool compact = false;  ///< their Jacobians need not be written out, as nothing changes them
+    std::int64_t uv = 0;  ///< their measurements in uv_
+    bool in_one = false;  ///< their values need not be written down: weights are factors
     LaneWeights::Run weights;
   };
   /// 6 x 6 row-major with rows of 8.
@@ -111,12 +110,24 @@ class TwistTerms {
     }
   };
   struct Chunk {
-    std::vector<double> values, work;
+    AlignedDoubles values, work;
     std::vector<const double*> states, points;  // of the landmarks of a segment; points: null
     LaneWeights::Scratch weights;
     std::vector<std::int64_t> redone;  // by pool
     std::vector<TwistSum> pairs, frames;
-    std::vector<double> panel, reduced, blocks, twist_rhs, twists, product, sums;
+    AlignedDoubles panel, reduced, blocks, twist_rhs, twists, product, sums;
+  };
+  /// A chunk's part of a block of the plan.
+  struct ChunkBlock {
+    std::int32_t chunk = 0;
+    std::int32_t index = 0;  ///< among those of the chunk
+  };
+  /// Of PlanBlocks().
+  struct PlanScratch {
+    std::vector<std::int32_t> newest;      // of a block of the plan: the last chunk that has it
+    std::vector<std::int32_t> index;       // and its number there
+    std::vector<std::int32_t> plan_block;  // of each block of a chunk, one chunk after the other
+    std::vector<std::int32_t> next;        // in chunk_blocks_
   };
   /// A camera on a pose.
   struct Camera {
@@ -141,22 +152,35 @@ class TwistTerms {
   [[nodiscard]] const kernels::TwistFrame& FrameOf(const Segment& segment, std::int32_t pose) const;
   bool LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, int group,
                       NormalEquationsSink* sink, Chunk* chunk, std::int32_t* pool);
+  /// Evaluates a segment and adds to the sums. Returns the first lane without a finite value, or
+  /// -1.
+  int AddValues(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
+                const Segment& segment, const kernels::TwistTotals& totals, Chunk* chunk,
+                double* cost) const;
   void AddGroup(const Structure& structure, int group, double* h_pp, Chunk* chunk);
   void AddFrames(const Structure& structure, const Chunk& chunk, double* h_pp, double* b_p) const;
   static Values Place(const Segment& segment, bool has_target, bool jacobians, Chunk* chunk);
   /// Values weighed but for `factors`, and their cost. Returns the first lane without a finite one,
   /// or -1.
-  int Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
+  int Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
                const Segment& segment, const Values& values, Chunk* chunk, double* cost,
                LaneWeights::Factors* factors) const;
   /// As they are; returns the first lane without one, or -1.
-  int EvaluateRaw(const LandmarkPlan& plan, const Graph& graph, const LandmarkFrame& host,
+  int EvaluateRaw(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
                   const Segment& segment, const Values& values, Chunk* chunk) const;
-  void EvaluateTwoViews(const LandmarkPlan& plan, const Graph& graph, const Segment& segment,
-                        const Values& values) const;
+  /// Inverse depths of a group's lanes, which two views take.
+  void FillDepths(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group);
+  [[nodiscard]] kernels::TwoViewRun TwoViewsOf(const LandmarkPlan& plan, const LandmarkGroup& group,
+                                               const Segment& segment) const;
+  [[nodiscard]] kernels::TwoViewWeights TwoViewWeightsOf(const Segment& segment) const;
   /// Tells whose value it is.
   static bool Fail(const LandmarkPlan& plan, const Segment& segment, int lane,
                    NormalEquationsSink* sink, std::int32_t* pool);
+  /// Numbers the plan's blocks by chunk.
+  void PlanBlocks(const Structure& structure);
+  [[nodiscard]] const double* BlockOf(const ChunkBlock& block) const;
+  void AddMapped(const Structure& structure, const Graph& graph, const LandmarkPlanBlock& block,
+                 const double* sum, double* S, std::int64_t stride) const;
   void ProjectMaps(const Structure& structure, const Graph& graph);
   void AddRhs(const Structure& structure, std::int32_t block, double* b_s) const;
   void FillTwists(const Structure& structure, const double* x, int group, Chunk* chunk) const;
@@ -168,10 +192,15 @@ class TwistTerms {
   LaneWeights weights_;
   std::vector<kernels::TwistGroup> groups_;
   std::vector<kernels::TwistTarget> targets_;
-  std::vector<double> force_, h_, b_, scale_, beta_, inverse_h_;
+  AlignedDoubles force_, h_, b_, scale_, beta_, inverse_h_, depth_;
   std::size_t max_values_ = 0, max_work_ = 0, max_rows_ = 0;
   std::vector<std::uint8_t> has_run_, force_is_set_;  // by pair
-  std::vector<double> uv_;
+  AlignedDoubles uv_;
+  std::vector<std::int32_t> chunk_map_;        // as the plan's block_map, with the chunk's blocks
+  std::vector<std::int32_t> blocks_of_chunk_;  // how many
+  std::vector<ChunkBlock> chunk_blocks_;       // by block of the plan and chunk
+  std::vector<std::int32_t> chunk_blocks_begin_;
+  PlanScratch plan_scratch_;
   std::vector<Camera> cameras_;              // those that two views are seen by
   std::vector<std::int32_t> newest_camera_;  // of each pose, -1: none
   std::vector<kernels::TwistFrame> frames_;  // of each pose

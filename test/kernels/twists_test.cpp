@@ -3,6 +3,7 @@
 
 // Landmarks of one host, poses as twists, against loops over one row at a time.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -75,14 +76,9 @@ TEST_P(TwistsTest, SumsAreThoseOfLoops) {
             run.J = J.data();
             run.scale = 0.7;
             run.weight = weighted ? weight.data() : nullptr;
-            run.frame = &frame;
-            run.h = h.data();
-            run.b = b.data();
-            run.force = force.data();
-            run.force_lanes = force_lanes;
-            run.sets_force = sets;
-            run.sums = sums.data();
-            ASSERT_EQ(k().twist_sums(&run), 1);
+            const TwistTotals totals{&frame,      h.data(), b.data(),   force.data(),
+                                     force_lanes, sets,     sums.data()};
+            ASSERT_EQ(k().twist_sums(&run, &totals), 1);
             double expected[27] = {};
             for (int s = 0; s < lanes; ++s) {
               const double w = weighted ? weight[I(s)] : 1.0;
@@ -139,16 +135,11 @@ TEST_P(TwistsTest, WhatIsNotFiniteIsSaid) {
     run.J_l = values.data() + 2 * kLanes;
     run.J = values.data() + 4 * kLanes;
     run.scale = 1.0;
-    run.frame = &frame;
-    run.h = h.data();
-    run.b = b.data();
-    run.force = force.data();
-    run.force_lanes = kLanes;
-    run.sums = sums.data();
-    EXPECT_EQ(k().twist_sums(&run), 0) << bad;
+    const TwistTotals totals{&frame, h.data(), b.data(), force.data(), kLanes, false, sums.data()};
+    EXPECT_EQ(k().twist_sums(&run, &totals), 0) << bad;
     if (bad < 4 * kLanes) {
       run.J = nullptr;
-      EXPECT_EQ(k().twist_sums(&run), 0) << bad;
+      EXPECT_EQ(k().twist_sums(&run, &totals), 0) << bad;
     }
     values[I(bad)] = good;
   }
@@ -169,7 +160,7 @@ TEST_P(TwistsTest, ProductsAreThoseOfThePanel) {
   const Guarded scale = Numbers(kLanes, random), twists = Numbers(6 * (kTargets + 1), random);
   const TwistGroup group{kLanes, kTargets, targets, b.data()};
   Guarded panel(I(kStride * kLanes));
-  k().twist_panel(&group, scale.data(), beta.data(), panel.data(), kStride);
+  k().twist_panel(&group, scale.data(), beta.data(), panel.data());
   Guarded product(I(kLanes)), sums(I(6 * (kTargets + 1)));
   k().twist_transpose_product(&group, twists.data(), product.data());
   k().twist_product(&group, b.data(), sums.data());
@@ -189,6 +180,43 @@ TEST_P(TwistsTest, ProductsAreThoseOfThePanel) {
   for (int i = 0; i < 6 * (kTargets + 1); ++i)
     EXPECT_NEAR(sums[I(i)], expected[I(i)], 1e-11);
   EXPECT_TRUE(panel.GuardsIntact() && product.GuardsIntact() && sums.GuardsIntact());
+}
+
+TEST_P(TwistsTest, ReducedIsTheProductOfThePanel) {
+  Random random(4);
+  for (const int num_targets : {0, 1, 2, 3, 4, 7, 10}) {
+    const int lanes = 40, rows = 7 + 6 * num_targets, stride = (rows + 7) / 8 * 8;
+    std::vector<Guarded> force;
+    force.reserve(I(num_targets));
+    std::vector<TwistTarget> targets;
+    for (int t = 0; t < num_targets; ++t) {
+      const int seen = std::max(8, lanes - (2 * t + 1) / 3 * 8);
+      force.push_back(Numbers(6 * seen, random));
+      targets.push_back({seen, force.back().data()});
+    }
+    const Guarded b = Numbers(lanes, random), beta = Numbers(lanes, random);
+    const Guarded scale = Numbers(lanes, random);
+    const TwistGroup group{lanes, num_targets, targets.data(), b.data()};
+    // What is not written is not read.
+    Guarded panel(I(stride * lanes)), reduced(I(stride * stride));
+    for (size_t i = 0; i < panel.size(); ++i)
+      panel[i] = std::numeric_limits<double>::quiet_NaN();
+    k().twist_panel(&group, scale.data(), beta.data(), panel.data());
+    k().twist_reduce(&group, panel.data(), reduced.data());
+    const auto entry = [&](int row, int s) {
+      const bool seen = row < 7 || s < targets[I((row - 7) / 6)].lanes;
+      return seen ? panel[I(stride * s + row)] : 0.0;
+    };
+    for (int c = 0; c < rows; ++c) {
+      for (int r = c; r < rows; ++r) {
+        double sum = 0.0;
+        for (int s = 0; s < lanes; ++s)
+          sum += entry(r, s) * entry(c, s);
+        ASSERT_NEAR(reduced[I(r + c * stride)], -sum, 1e-12) << num_targets << " " << r << " " << c;
+      }
+    }
+    EXPECT_TRUE(panel.GuardsIntact() && reduced.GuardsIntact());
+  }
 }
 
 TEST_P(TwistsTest, HubersLoss) {

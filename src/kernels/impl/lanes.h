@@ -10,6 +10,7 @@
 #ifndef GLISSADE_KERNELS_IMPL_LANES_H_
 #define GLISSADE_KERNELS_IMPL_LANES_H_
 
+#include "kernels/impl/losses.h"
 #include "kernels/impl/simd.h"
 
 namespace glissade::kernels {
@@ -112,20 +113,6 @@ void CorrectLanes(int rows, int cols, int lanes, const double* r, const double* 
       }
     }
   }
-}
-
-/// Twice the cost of kW residuals under Huber's loss, and the weight rho'(s) of each.
-GLISSADE_INLINE vd Huber(vd s, vd width, vd* weight) {
-  const vi outside = s > width * width;
-  // Inside, the square root is taken of 1 rather than of what may be 0 or denormal.
-  const vd root = Sqrt(reinterpret_cast<vd>((reinterpret_cast<vi>(s) & outside) |
-                                            (reinterpret_cast<vi>(Splat(1.0)) & ~outside)));
-  const vd ratio = width / root;
-  *weight = reinterpret_cast<vd>((reinterpret_cast<vi>(ratio) & outside) |
-                                 (reinterpret_cast<vi>(Splat(1.0)) & ~outside));
-  const vd linear = Splat(2.0) * width * root - width * width;
-  return reinterpret_cast<vd>((reinterpret_cast<vi>(linear) & outside) |
-                              (reinterpret_cast<vi>(s) & ~outside));
 }
 
 /// Huber's loss of `lanes` squared residuals; see kernels.h.

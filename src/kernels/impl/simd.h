@@ -33,6 +33,28 @@ GLISSADE_INLINE void Store(double* p, vd v) {
   *reinterpret_cast<vd_mem*>(p) = v;
 }
 
+// For what is small: rows of 3 or 6 numbers. Where registers are narrower a v4 is two of them; all
+// is inlined, so that how it would be passed to a function does not matter.
+#pragma GCC diagnostic ignored "-Wpsabi"
+typedef double v2 __attribute__((vector_size(16)));
+typedef double v4 __attribute__((vector_size(32)));
+typedef int64_t v4i __attribute__((vector_size(32)));
+typedef double v2_mem __attribute__((vector_size(16), aligned(8), may_alias));
+typedef double v4_mem __attribute__((vector_size(32), aligned(8), may_alias));
+
+GLISSADE_INLINE v2 Load2(const double* p) {
+  return *reinterpret_cast<const v2_mem*>(p);
+}
+GLISSADE_INLINE v4 Load4(const double* p) {
+  return *reinterpret_cast<const v4_mem*>(p);
+}
+GLISSADE_INLINE void Store2(double* p, const v2& v) {
+  *reinterpret_cast<v2_mem*>(p) = v;
+}
+GLISSADE_INLINE void Store4(double* p, const v4& v) {
+  *reinterpret_cast<v4_mem*>(p) = v;
+}
+
 GLISSADE_INLINE vd Splat(double x) {
 #if GLISSADE_KERNEL_WIDTH == 8
   return vd{x, x, x, x, x, x, x, x};
@@ -45,6 +67,17 @@ GLISSADE_INLINE vd Splat(double x) {
 
 GLISSADE_INLINE vd Zero() {
   return vd{};
+}
+
+/// x, rounded: what is made of it is not contracted with the product it comes from. So that two
+/// functions that differ in what else they use it for get the same bits.
+GLISSADE_INLINE vd Rounded(vd x) {
+#if defined(__x86_64__)
+  asm("" : "+v"(x));
+#elif defined(__aarch64__)
+  asm("" : "+w"(x));
+#endif
+  return x;
 }
 
 /// The first `count` (1 to kW) doubles at p, zeros in the other lanes, whose memory is not touched.

@@ -17,8 +17,10 @@
 #include "kernels/impl/triangular.h"
 #include "kernels/impl/triangular_many.h"
 #include "kernels/impl/twist_blocks.h"
+#include "kernels/impl/twist_reduce.h"
 #include "kernels/impl/twists.h"
 #include "kernels/impl/two_view.h"
+#include "kernels/impl/two_view_sums.h"
 #include "kernels/impl/vector.h"
 #include "kernels/kernels.h"
 
@@ -72,8 +74,11 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .lane_couplings = LaneCouplings,
     .lane_landmarks = LaneLandmarks,
     .two_view_lanes = TwoViewLanes,
+    .two_view_cost = TwoViewCost,
+    .two_view_sums = TwoViewSums,
     .twist_sums = TwistSums,
     .twist_panel = TwistPanel,
+    .twist_reduce = TwistReduce,
     .twist_transpose_product = TwistTransposeProduct,
     .twist_product = TwistProduct,
     .landmark_pivots = LandmarkPivots,

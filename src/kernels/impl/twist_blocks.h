@@ -82,33 +82,35 @@ void AddTwistBlocks(int frames, const int32_t* map, const double* reduced, int s
   }
 }
 
-/// out += alpha T_i' B T_j, all 6 x 6 row-major; T with rows of kTwistStride (the rest zero).
+/// out += alpha T_i' B T_j, all 6 x 6 row-major; T = [I, X; 0, R] with rows of kTwistStride. Rows
+/// are taken as columns 0 and 1, of which T has those of the identity, and 2 to 5.
 void MapBlock(double alpha, const double* Ti, const double* B, int ldb, const double* Tj,
-              double* out, int row_stride, int col_stride) {
-  constexpr int kVectors = kTwistStride / kW;
-  vd product[6][kVectors];
+              double* out, int row_stride) {
+  v2 low[6];
+  v4 high[6];
+#pragma GCC unroll 6
   for (int r = 0; r < 6; ++r) {
-#pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) {
-      vd sum = Splat(B[r * ldb]) * Load(Tj + v * kW);
+    const double* b = B + r * ldb;
+    low[r] = Load2(b);
+    v4 sum = Load4(Tj + 2) * b[0];
 #pragma GCC unroll 5
-      for (int k = 1; k < 6; ++k)
-        sum += Splat(B[r * ldb + k]) * Load(Tj + k * kTwistStride + v * kW);
-      product[r][v] = sum;
-    }
+    for (int k = 1; k < 6; ++k)
+      sum += Load4(Tj + k * kTwistStride + 2) * b[k];
+    high[r] = sum;
   }
+#pragma GCC unroll 6
   for (int r = 0; r < 6; ++r) {
-    double row[kTwistStride];
-#pragma GCC unroll 4
-    for (int v = 0; v < kVectors; ++v) {
-      vd sum = Splat(Ti[r]) * product[0][v];
+    v2 x = r < 3 ? low[r] : low[0] * Ti[r];
+    v4 y = r < 3 ? high[r] : high[0] * Ti[r];
 #pragma GCC unroll 5
-      for (int k = 1; k < 6; ++k)
-        sum += Splat(Ti[k * kTwistStride + r]) * product[k][v];
-      Store(row + v * kW, Splat(alpha) * sum);
+    for (int k = 1; k < 6; ++k) {
+      if (r < 3) continue;
+      x += low[k] * Ti[k * kTwistStride + r];
+      y += high[k] * Ti[k * kTwistStride + r];
     }
-    for (int c = 0; c < 6; ++c)
-      out[r * row_stride + c * col_stride] += row[c];
+    double* to = out + r * row_stride;
+    Store2(to, Load2(to) + alpha * x);
+    Store4(to + 2, Load4(to + 2) + alpha * y);
   }
 }
 

@@ -35,65 +35,27 @@ GLISSADE_INLINE void TwistRow(const TwistFrame& frame, const vd (&f)[3], const v
   row[5] = (px * f[1] - py * f[0]) - Rb[2];
 }
 
-/// [f; q] of the rows in kW lanes, from Jacobians. kRowCount 0: the count is that of the run.
-template <int kRowCount>
-struct RowsOfJacobian {
-  static constexpr int kRows = kRowCount;
-  const TwistRun& run;
-  Index s;
-  vd factor;
-
-  GLISSADE_INLINE RowsOfJacobian(const TwistRun& of, Index lane, vd by)
-      : run(of), s(lane), factor(by) {}
-  GLISSADE_INLINE void Get(int k, vd (&row)[6]) const {
-    const double* J = run.J + 6 * Index{k} * run.lanes + s;
-    vd a[3], b[3], f[3];
+/// [f; q] of a row in kW lanes, times factor.
+GLISSADE_INLINE void TwistOfRow(const TwistRun& run, const TwistFrame& frame, int k, Index s,
+                                vd factor, vd (&row)[6]) {
+  const double* J = run.J + 6 * Index{k} * run.lanes + s;
+  vd a[3], b[3], f[3];
 #pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
-      a[i] = -(factor * Load(J + i * run.lanes));
-      b[i] = factor * Load(J + (3 + i) * run.lanes);
-      f[i] = a[i];
-    }
-    if (run.frame->turned) Rotate(run.frame->turn, a, f);
-    TwistRow(*run.frame, f, b, row);
+  for (int i = 0; i < 3; ++i) {
+    a[i] = -(factor * Load(J + i * run.lanes));
+    b[i] = factor * Load(J + (3 + i) * run.lanes);
+    f[i] = a[i];
   }
-};
-
-/// The same of reprojections, from what kernels/two_view.h gives of them: their rows have zeros,
-/// and turn and R of a camera's frame are the same.
-struct RowsOfTwoViews {
-  static constexpr int kRows = 2;
-  const TwistFrame& frame;
-  vd factor, u, v, g, t[3];
-
-  GLISSADE_INLINE RowsOfTwoViews(const TwistRun& run, Index s, vd by)
-      : frame(*run.frame), factor(by) {
-    const Index n = run.lanes;
-    u = Load(run.J + s);
-    v = Load(run.J + n + s);
-    g = factor * (Load(run.J + 2 * n + s) * Load(run.J + 3 * n + s));
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i)
-      t[i] = Splat(frame.R[3 * i + 2]) * g;
-  }
-  GLISSADE_INLINE void Get(int k, vd (&row)[6]) const {
-    const vd w = k == 0 ? u : v;
-    vd f[3];
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i)
-      f[i] = Splat(frame.R[3 * i + k]) * g - t[i] * w;
-    const vd uf = factor * u, vf = factor * v;
-    const vd first[3] = {uf * v, -(factor + uf * u), vf};
-    const vd second[3] = {factor + vf * v, -(uf * v), -uf};
-    TwistRow(frame, f, k == 0 ? first : second, row);
-  }
-};
+  if (frame.turned) Rotate(frame.turn, a, f);
+  TwistRow(frame, f, b, row);
+}
 
 /// kCount rows in kW lanes, from row `first` on: their part of the sums. Each sum is taken up once
 /// for all of them, as there are not registers enough to keep them.
-template <int kCount, class Rows>
-GLISSADE_INLINE void AddRows(const TwistRun& run, const Rows& twists, int first, Index s, vd weight,
-                             vd factor, vd (&sum)[kUsedTwistSums], vd& h, vd& b, vd (&force)[6]) {
+template <int kCount>
+GLISSADE_INLINE void AddRows(const TwistRun& run, const TwistFrame& frame, int first, Index s,
+                             vd weight, vd factor, vd (&sum)[kUsedTwistSums], vd& h, vd& b,
+                             vd (&force)[6]) {
   vd r[kCount], j[kCount], row[kCount][6];
 #pragma GCC unroll 2
   for (int k = 0; k < kCount; ++k) {
@@ -102,7 +64,7 @@ GLISSADE_INLINE void AddRows(const TwistRun& run, const Rows& twists, int first,
     j[k] = factor * Load(run.J_l + at);
     h += j[k] * j[k];
     b -= j[k] * r[k];
-    twists.Get(first + k, row[k]);
+    TwistOfRow(run, frame, first + k, s, factor, row[k]);
   }
   int term = 0;
 #pragma GCC unroll 6
@@ -125,8 +87,9 @@ GLISSADE_INLINE void AddRows(const TwistRun& run, const Rows& twists, int first,
   }
 }
 
-template <class Rows>
-int TwistSumsFor(const TwistRun& run) {
+/// kRows 0: the count is that of the run.
+template <int kRows>
+int TwistSumsFor(const TwistRun& run, const TwistTotals& to) {
   const Index lanes = run.lanes;
   vd sum[kUsedTwistSums];
 #pragma GCC unroll 32
@@ -137,45 +100,44 @@ int TwistSumsFor(const TwistRun& run) {
   for (Index s = 0; s < lanes; s += kW) {
     const vd weight = run.weight != nullptr ? Load(run.weight + s) : Splat(1.0);
     const vd factor = weight * Splat(run.scale);
-    const Rows twists(run, s, factor);
     vd h = Zero(), b = Zero();
     vd force[6];
 #pragma GCC unroll 6
     for (int i = 0; i < 6; ++i)
       force[i] = Zero();
-    if (Rows::kRows == 2) {
-      AddRows<2>(run, twists, 0, s, weight, factor, sum, h, b, force);
+    if (kRows == 2) {
+      AddRows<2>(run, *to.frame, 0, s, weight, factor, sum, h, b, force);
     } else {
 #pragma GCC unroll 1
       for (int k = 0; k < run.rows; ++k)
-        AddRows<1>(run, twists, k, s, weight, factor, sum, h, b, force);
+        AddRows<1>(run, *to.frame, k, s, weight, factor, sum, h, b, force);
     }
     poison += Zero() * h;
-    Store(run.h + s, Load(run.h + s) + h);
-    Store(run.b + s, Load(run.b + s) + b);
+    Store(to.h + s, Load(to.h + s) + h);
+    Store(to.b + s, Load(to.b + s) + b);
 #pragma GCC unroll 6
     for (int i = 0; i < 6; ++i) {
-      double* to = run.force + i * run.force_lanes + s;
-      Store(to, run.sets_force ? force[i] : Load(to) + force[i]);
+      double* at = to.force + i * to.force_lanes + s;
+      Store(at, to.sets_force ? force[i] : Load(at) + force[i]);
     }
   }
 #pragma GCC unroll 16
   for (int i = 0; i < kUsedTwistSums; i += kW) {
     const vd total = SumEach(sum + i);
     poison += Zero() * total;
-    Store(run.sums + i, Load(run.sums + i) + total);
+    Store(to.sums + i, Load(to.sums + i) + total);
   }
   return Sum(poison) == 0.0 ? 1 : 0;
 }
 
 /// The landmarks' part alone.
-int LandmarkSums(const TwistRun& run) {
+int LandmarkSums(const TwistRun& run, const TwistTotals& to) {
   const Index lanes = run.lanes;
   vd poison = Zero();
   for (Index s = 0; s < lanes; s += kW) {
     const vd weight = run.weight != nullptr ? Load(run.weight + s) : Splat(1.0);
     const vd factor = weight * Splat(run.scale);
-    vd h = Load(run.h + s), b = Load(run.b + s);
+    vd h = Load(to.h + s), b = Load(to.b + s);
     for (int k = 0; k < run.rows; ++k) {
       const vd r = weight * Load(run.r + k * lanes + s);
       const vd j = factor * Load(run.J_l + k * lanes + s);
@@ -183,30 +145,27 @@ int LandmarkSums(const TwistRun& run) {
       b -= j * r;
     }
     poison += Zero() * (h + b);
-    Store(run.h + s, h);
-    Store(run.b + s, b);
+    Store(to.h + s, h);
+    Store(to.b + s, b);
   }
   return Sum(poison) == 0.0 ? 1 : 0;
 }
 
-int TwistSums(const TwistRun* run) {
-  if (run->J == nullptr) return LandmarkSums(*run);
-  if (run->two_views) return TwistSumsFor<RowsOfTwoViews>(*run);
-  return run->rows == 2 ? TwistSumsFor<RowsOfJacobian<2>>(*run)
-                        : TwistSumsFor<RowsOfJacobian<0>>(*run);
+int TwistSums(const TwistRun* run, const TwistTotals* to) {
+  if (run->J == nullptr) return LandmarkSums(*run, *to);
+  return run->rows == 2 ? TwistSumsFor<2>(*run, *to) : TwistSumsFor<0>(*run, *to);
 }
 
 /// One column of W per lane: [beta; host; target 0; target 1; ...], scaled. W is d b_pose /
-/// d landmark in twists: the host has the sum of the forces, each target minus its own. Rows of
-/// targets that do not see the lane are left alone.
-void TwistPanel(const TwistGroup* group, const double* scale, const double* beta, double* W,
-                int ldw) {
-  const Index ld = ldw;
+/// d landmark in twists: the host has the sum of the forces, each target minus its own.
+void TwistPanel(const TwistGroup* group, const double* scale, const double* beta, double* W) {
+  const int n = 7 + 6 * group->num_targets;
+  const Index ld = (n + kPanelRows - 1) / kPanelRows * kPanelRows;
   for (int lane = 0; lane < group->lanes; lane += kW) {
     double* column = W + lane * ld;
     const vd s = Load(scale + lane);
     vd total[6] = {Zero(), Zero(), Zero(), Zero(), Zero(), Zero()};
-    double* row = column + 7;
+    int row = 7;
     for (int k = 0; k < group->num_targets; ++k, row += 6) {
       const TwistTarget& t = group->targets[k];
       if (lane >= t.lanes) break;
@@ -217,13 +176,16 @@ void TwistPanel(const TwistGroup* group, const double* scale, const double* beta
         total[i] += force;
         w[i] = -force;
       }
-      StoreSixRows(w, row, ld);
+      StoreSixRows(w, column + row, ld);
     }
     const vd b = Load(beta + lane);
     StoreSixRows(total, column + 1, ld);
 #pragma GCC unroll 8
-    for (int i = 0; i < kW; ++i)
+    for (int i = 0; i < kW; ++i) {
       column[i * ld] = b[i];
+      for (int zero = row; zero % kPanelRows != 0; ++zero)
+        column[i * ld + zero] = 0.0;
+    }
   }
 }
 

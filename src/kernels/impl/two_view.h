@@ -6,69 +6,143 @@
 #ifndef GLISSADE_KERNELS_IMPL_TWO_VIEW_H_
 #define GLISSADE_KERNELS_IMPL_TWO_VIEW_H_
 
+#include "kernels/impl/losses.h"
 #include "kernels/impl/simd.h"
 #include "kernels/two_view.h"
 
 namespace glissade::kernels {
 namespace {
 
-/// out = row . (x, y, 1) + d rho.
-GLISSADE_INLINE vd Affine(const double* row, double d, vd x, vd y, vd rho) {
-  return Splat(row[0]) * x + (Splat(row[1]) * y + (Splat(d) * rho + Splat(row[2])));
-}
-
-void TwoViewLanes(const TwoViewRun* run) {
-  // Host camera in the target's.
+/// Host camera in the target's.
+struct TwoViewPose {
   double A[9], d[3];
-  const double *R_t = run->target->R_wc, *R_h = run->host->R_wc;
-  const double *c_t = run->target->c, *c_h = run->host->c;
+};
+
+inline TwoViewPose HostInTarget(const TwoViewRun& run) {
+  TwoViewPose pose;
+  const double *R_t = run.target->R_wc, *R_h = run.host->R_wc;
+  const double *c_t = run.target->c, *c_h = run.host->c;
   for (int i = 0; i < 3; ++i) {
-    d[i] = 0.0;
+    pose.d[i] = 0.0;
     for (int k = 0; k < 3; ++k)
-      d[i] += R_t[3 * k + i] * (c_h[k] - c_t[k]);
+      pose.d[i] += R_t[3 * k + i] * (c_h[k] - c_t[k]);
     for (int j = 0; j < 3; ++j) {
       double sum = 0.0;
       for (int k = 0; k < 3; ++k)
         sum += R_t[3 * k + i] * R_h[3 * k + j];
-      A[3 * i + j] = sum;
+      pose.A[3 * i + j] = sum;
     }
   }
-  const Index n = run->lanes;
+  return pose;
+}
+
+/// row . (x, y, 1) + d rho.
+GLISSADE_INLINE vd Affine(const double* row, double d, vd x, vd y, vd rho) {
+  return Splat(row[0]) * x + (Splat(row[1]) * y + (Splat(d) * rho + Splat(row[2])));
+}
+
+/// kW points in the target camera; those of lanes that do not count are finite.
+struct TwoViewPoint {
+  vd u, v, inverse_z, rho;
+};
+
+template <bool kMasked>
+GLISSADE_INLINE TwoViewPoint ProjectLanes(const TwoViewRun& run, const TwoViewPose& pose, Index s) {
+  const Index n = run.lanes;
+  TwoViewPoint point;
+  point.rho = Load(run.depth + s);
+  const vd x = Load(run.uv + s), y = Load(run.uv + n + s);
+  vi counts{};
+  if (kMasked) {
+    counts = Load(run.mask + s) != Zero();
+    point.rho = counts ? point.rho : Zero();
+  }
+  const vd qx = Affine(pose.A, pose.d[0], x, y, point.rho);
+  const vd qy = Affine(pose.A + 3, pose.d[1], x, y, point.rho);
+  vd qz = Affine(pose.A + 6, pose.d[2], x, y, point.rho);
+  if (kMasked) qz = counts ? qz : Splat(1.0);
+  point.inverse_z = Splat(1.0) / qz;
+  point.u = Rounded(qx * point.inverse_z);
+  point.v = Rounded(qy * point.inverse_z);
+  return point;
+}
+
+template <bool kMasked>
+void TwoViewValuesOf(const TwoViewRun& run, const TwoViewValues& values) {
+  const TwoViewPose pose = HostInTarget(run);
+  const Index n = run.lanes;
   for (Index s = 0; s < n; s += kW) {
-    vd rho;
-#pragma GCC unroll 8
-    for (int i = 0; i < kW; ++i)
-      rho[i] = run->depths[run->depth_of_lane[s + i]];
-    const vd x = Load(run->uv + s), y = Load(run->uv + n + s);
-    const vd qx = Affine(A, d[0], x, y, rho);
-    const vd qy = Affine(A + 3, d[1], x, y, rho);
-    const vd qz = Affine(A + 6, d[2], x, y, rho);
-    const vd inverse_z = Splat(1.0) / qz;
-    const vd u = qx * inverse_z, v = qy * inverse_z;
-    Store(run->r + s, u - Load(run->uv + 2 * n + s));
-    Store(run->r + n + s, v - Load(run->uv + 3 * n + s));
-    if (run->J_l == nullptr) continue;
+    const TwoViewPoint point = ProjectLanes<kMasked>(run, pose, s);
+    const vd u = point.u, v = point.v, inverse_z = point.inverse_z;
+    Store(values.r + s, u - Load(run.uv + 2 * n + s));
+    Store(values.r + n + s, v - Load(run.uv + 3 * n + s));
+    if (values.J_l == nullptr) continue;
     // Rows of f: (1, 0, -u) / z and (0, 1, -v) / z.
     const vd fu = -(u * inverse_z), fv = -(v * inverse_z);
-    Store(run->J_l + s, inverse_z * Splat(d[0]) + fu * Splat(d[2]));
-    Store(run->J_l + n + s, inverse_z * Splat(d[1]) + fv * Splat(d[2]));
-    if (run->compact) {
-      const vd numbers[4] = {u, v, inverse_z, rho};
-#pragma GCC unroll 4
-      for (int k = 0; k < 4; ++k)
-        Store(run->J + k * n + s, numbers[k]);
-      continue;
-    }
+    Store(values.J_l + s, inverse_z * Splat(pose.d[0]) + fu * Splat(pose.d[2]));
+    Store(values.J_l + n + s, inverse_z * Splat(pose.d[1]) + fv * Splat(pose.d[2]));
     // f x q, in units of z where it cancels: q / z = (u, v, 1).
     const vd one = Splat(1.0);
-    const vd minus_rho = -rho;
+    const vd minus_rho = -point.rho;
     const vd rows[12] = {minus_rho * inverse_z, Zero(),      minus_rho * fu, u * v,
                          -(one + u * u),        v,           Zero(),         minus_rho * inverse_z,
                          minus_rho * fv,        one + v * v, -(u * v),       -u};
 #pragma GCC unroll 12
     for (int k = 0; k < 12; ++k)
-      Store(run->J + k * n + s, rows[k]);
+      Store(values.J + k * n + s, rows[k]);
   }
+}
+
+void TwoViewLanes(const TwoViewRun* run, const TwoViewValues* values) {
+  run->mask != nullptr ? TwoViewValuesOf<true>(*run, *values)
+                       : TwoViewValuesOf<false>(*run, *values);
+}
+
+/// The residual of kW reprojections but for its scale, and rho'(s) scale^2.
+struct TwoViewResidual {
+  vd r0, r1, weight;
+};
+
+template <bool kMasked, bool kHuber>
+GLISSADE_INLINE TwoViewResidual WeighLanes(const TwoViewRun& run, const TwoViewWeights& weights,
+                                           vd u, vd v, Index s, vd* cost) {
+  const Index n = run.lanes;
+  TwoViewResidual out;
+  out.r0 = u - Load(run.uv + 2 * n + s);
+  out.r1 = v - Load(run.uv + 3 * n + s);
+  out.weight = Splat(weights.scale * weights.scale);
+  if (kMasked) out.weight *= Load(run.mask + s);
+  const vd square = out.weight * (out.r0 * out.r0 + out.r1 * out.r1);
+  if (!kHuber) {
+    *cost += square;
+    return out;
+  }
+  vd weight;
+  *cost += Huber(square, Load(weights.width + s), &weight);
+  out.weight *= weight;
+  return out;
+}
+
+template <bool kMasked, bool kHuber>
+double TwoViewCostOf(const TwoViewRun& run, const TwoViewWeights& weights) {
+  const TwoViewPose pose = HostInTarget(run);
+  vd cost = Zero();
+  for (Index s = 0; s < run.lanes; s += kW) {
+    const TwoViewPoint point = ProjectLanes<kMasked>(run, pose, s);
+    WeighLanes<kMasked, kHuber>(run, weights, point.u, point.v, s, &cost);
+  }
+  return 0.5 * Sum(cost);
+}
+
+/// The same bits as the cost that comes with the sums: near an optimum, the minimizer compares the
+/// one with the other.
+double TwoViewCost(const TwoViewRun* run, const TwoViewWeights* weights) {
+  if (run->mask != nullptr) {
+    return weights->width != nullptr ? TwoViewCostOf<true, true>(*run, *weights)
+                                     : TwoViewCostOf<true, false>(*run, *weights);
+  }
+  return weights->width != nullptr ? TwoViewCostOf<false, true>(*run, *weights)
+                                   : TwoViewCostOf<false, false>(*run, *weights);
 }
 
 }  // namespace

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Reprojections between ideal cameras in TwistTerms: their measurements and cameras.
+
+#include <algorithm>
+
+#include "linear/twist_terms.h"
+
+namespace glissade {
+
+namespace {
+
+std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// A camera is looked for among so many of its pose: a rig has a handful.
+constexpr int kMaxLookedAt = 16;
+
+}  // namespace
+
+void TwistTerms::PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool, std::int32_t host,
+                              Segment* segment) {
+  const LandmarkRun& run = plan.runs[Index(segment->run)];
+  const std::int32_t* edges = plan.edge_of_slot.data() + run.begin + segment->first;
+  TwoViewObservation observation;
+  if (!pool.TwoView(edges[0], &observation)) return;
+  segment->host_camera = FindCamera(host, observation.T_b_host);
+  segment->target_camera =
+      FindCamera(plan.pairs[Index(run.pair)].target.pose, observation.T_b_target);
+  using Weights = LaneWeights::Run;
+  segment->in_one = (segment->weights.whitening == Weights::Whitening::kIdentity ||
+                     segment->weights.whitening == Weights::Whitening::kScaled) &&
+                    segment->weights.robust != Weights::Robust::kAny;
+  segment->uv = static_cast<std::int64_t>(uv_.size());
+  uv_.resize(uv_.size() + 4 * Index(segment->lanes));
+  double* const uv = uv_.data() + segment->uv;
+  for (std::int32_t s = 0; s < segment->lanes; ++s) {
+    static_cast<void>(pool.TwoView(edges[s], &observation));
+    for (int k = 0; k < 2; ++k) {
+      uv[k * segment->lanes + s] = observation.uv_host[k];
+      uv[(2 + k) * segment->lanes + s] = observation.uv_target[k];
+    }
+  }
+}
+
+// Cameras of one pose are chained, newest first. One that is not found among the newest is there
+// twice, which costs its update and nothing else.
+std::int32_t TwistTerms::FindCamera(std::int32_t pose, const double* T_b_c) {
+  if (newest_camera_.size() <= Index(pose)) newest_camera_.resize(Index(pose) + 1, -1);
+  std::int32_t& newest = newest_camera_[Index(pose)];
+  int looked_at = 0;
+  for (std::int32_t c = newest; c >= 0 && looked_at < kMaxLookedAt;
+       c = cameras_[Index(c)].next, ++looked_at) {
+    if (std::equal(T_b_c, T_b_c + 7, cameras_[Index(c)].T_b_c.data)) return c;
+  }
+  Camera camera;
+  camera.pose = pose;
+  camera.next = newest;
+  std::copy_n(T_b_c, 7, camera.T_b_c.data);
+  newest = static_cast<std::int32_t>(cameras_.size());
+  cameras_.push_back(camera);
+  return newest;
+}
+
+const kernels::TwistFrame& TwistTerms::FrameOf(const Segment& segment, std::int32_t pose) const {
+  return segment.target_camera < 0 ? frames_[Index(pose)]
+                                   : cameras_[Index(segment.target_camera)].frame;
+}
+
+void TwistTerms::FillDepths(const LandmarkPlan& plan, const Graph& graph,
+                            const LandmarkGroup& group) {
+  if (cameras_.empty()) return;
+  const double* depths = graph.Pool<VertexInverseDepth>()->Data(0);
+  for (std::int32_t l = group.lane_begin; l < group.lane_begin + group.lanes; ++l) {
+    const std::int32_t landmark = plan.landmark_of_lane[Index(l)];
+    depth_[Index(l)] = landmark >= 0 ? depths[landmark] : 0.0;
+  }
+}
+
+kernels::TwoViewRun TwistTerms::TwoViewsOf(const LandmarkPlan& plan, const LandmarkGroup& group,
+                                           const Segment& segment) const {
+  const LandmarkRun& run = plan.runs[Index(segment.run)];
+  return {segment.lanes,
+          uv_.data() + segment.uv,
+          depth_.data() + group.lane_begin + segment.lane,
+          segment.masked ? plan.mask_of_slot.data() + run.begin + segment.first : nullptr,
+          &cameras_[Index(segment.host_camera)].at,
+          &cameras_[Index(segment.target_camera)].at};
+}
+
+kernels::TwoViewWeights TwistTerms::TwoViewWeightsOf(const Segment& segment) const {
+  const LaneWeights::Run& run = segment.weights;
+  return {weights_.ScaleOf(run), weights_.WidthsOf(run)};
+}
+
+}  // namespace glissade
