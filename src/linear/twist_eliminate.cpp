@@ -36,7 +36,9 @@ int TwistTerms::Eliminate(const Structure& structure, const DampingTerm& damping
   if (plan.empty()) return -1;
   const kernels::KernelTable& kernel = kernels::Kernels();
   Chunk& out = chunks_[Index(chunk)];
-  out.blocks.assign(kBlockSize * Index(blocks_of_chunk_[Index(chunk)]), 0.0);
+  const std::size_t blocks = kBlockSize * Index(blocks_of_chunk_[Index(chunk)]);
+  if (out.blocks.size() < blocks) out.blocks.resize(blocks);
+  std::fill_n(out.blocks.begin(), blocks, 0.0);
   out.twist_rhs.assign(6 * structure.poses().size(), 0.0);
   for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
     const LandmarkGroup& group = plan.groups[Index(g)];

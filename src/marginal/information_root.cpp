@@ -91,6 +91,7 @@ int CholeskyRoot(int n, const double* A, int lda, double relative_cut, DenseScra
   const std::vector<double>& scale = scratch->scale;
   std::vector<double>& L = scratch->block;
   FillScaled(n, A, lda, scale, &L);
+  scratch->work.resize(Index(n));  // rounding may decide from time to time whether it is needed
   const std::size_t ld = Index(n) + 1;
   const kernels::KernelTable& k = kernels::Kernels();
   std::vector<int>& order = scratch->order;
@@ -103,7 +104,6 @@ int CholeskyRoot(int n, const double* A, int lda, double relative_cut, DenseScra
   if (definite) {
     order.resize(Index(n));
     std::iota(order.begin(), order.end(), 0);
-    scratch->work.resize(Index(n));
     for (int i = 0; i < n; ++i)
       scratch->work[Index(i)] = scale[Index(i)] * A[Index(i) * Index(lda) + Index(n)];
     k.forward_solve(n, L.data(), n + 1, scratch->work.data());
