@@ -87,18 +87,35 @@ void Structure::LeaveOutFarLandmarks(const Graph& graph) {
   plan_.groups.resize(Index(kept_groups));
 }
 
+// Of a lane: the farthest of its host and of the targets whose lanes reach to it, over its depth. A
+// lane that one of these has a gap at counts as seen by it.
 double Structure::Reach(const Graph& graph) const {
   double reach = 0.0;
   if (plan_.empty()) return reach;
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
+  const VertexPool<VertexInverseDepth>& depths = *graph.Pool<VertexInverseDepth>();
   const double* o = poses.At(plan_.center).pose.data;
-  const auto look = [&](std::int32_t pose) {
-    reach = std::max(reach, PositionFrom(o, poses, pose).norm());
-  };
-  for (const LandmarkGroup& group : plan_.groups)
-    look(group.host.pose);
-  for (const LandmarkPair& pair : plan_.pairs)
-    look(pair.target.pose);
+  for (const LandmarkGroup& group : plan_.groups) {
+    // Targets come by falling number of lanes: the last lanes see the fewest.
+    double farthest = PositionFrom(o, poses, group.host.pose).norm();
+    std::int32_t pair = group.pair_begin;
+    std::int32_t end = group.lanes;
+    while (end > 0) {
+      while (pair < group.pair_end && plan_.pairs[Index(pair)].lanes >= end) {
+        farthest =
+            std::max(farthest, PositionFrom(o, poses, plan_.pairs[Index(pair)].target.pose).norm());
+        ++pair;
+      }
+      const std::int32_t begin = pair < group.pair_end ? plan_.pairs[Index(pair)].lanes : 0;
+      double nearest = 0.0;
+      for (std::int32_t lane = begin; lane < end; ++lane) {
+        const std::int32_t landmark = plan_.landmark_of_lane[Index(group.lane_begin + lane)];
+        if (landmark >= 0) nearest = std::max(nearest, std::abs(depths.At(landmark).rho));
+      }
+      reach = std::max(reach, farthest * nearest);
+      end = begin;
+    }
+  }
   return reach;
 }
 

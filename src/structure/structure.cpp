@@ -31,7 +31,7 @@ std::uint64_t NewAnalysis() {
 Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   const bool must_check = !checked_duplicates_ && !options.allow_duplicate_observations;
   if (IsCurrent(*graph) && !must_check && groups_landmarks_ == options.group_landmarks &&
-      Reach(*graph) <= 2.0 * plan_.reach) {
+      Reach(*graph) <= 2.0 * std::max(plan_.reach, LandmarkPlan::kMaxReach)) {
     return {};
   }
   graph_ = analysis_ = 0;

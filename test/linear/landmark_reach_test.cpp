@@ -225,5 +225,30 @@ TEST(LandmarkReach, PosesThatGoFarAfterTheAnalysis) {
   EXPECT_EQ(structure.groups().num_landmarks, 40);
 }
 
+// A ratio of 0 stayed one that the analysis had seen when the depth had become an ordinary one.
+TEST(LandmarkReach, DepthsThatBecomeOrdinaryAfterTheAnalysis) {
+  Clusters clusters(5);
+  clusters.AddLandmarks(clusters.AddPoses(Vector3(1e5, 1e5, -1e5), 3), 9);
+  clusters.AddLandmarks(clusters.AddPoses(Vector3::Zero(), 5), 40);
+  clusters.Shake();
+  Graph& graph = clusters.graph;
+  std::vector<std::pair<VertexHandle<VertexInverseDepth>, VertexInverseDepth>> depths;
+  graph.ForEachVertex<VertexInverseDepth>(
+      [&](VertexHandle<VertexInverseDepth> handle, const VertexInverseDepth& depth) {
+        depths.emplace_back(handle, depth);
+      });
+  ASSERT_EQ(depths.size(), 49u);
+  for (std::size_t l = 0; l < 9; ++l)
+    ASSERT_TRUE(graph.Set(depths[l].first, VertexInverseDepth{0.0}).ok());
+  Structure structure;
+  ASSERT_TRUE(structure.Analyze(&graph).ok());
+  EXPECT_EQ(structure.groups().num_landmarks, 49);
+  for (std::size_t l = 0; l < 9; ++l)
+    ASSERT_TRUE(graph.Set(depths[l].first, depths[l].second).ok());
+  ASSERT_TRUE(structure.Analyze(&graph).ok());
+  EXPECT_EQ(structure.groups().num_landmarks, 40);
+  ExpectSameAsOneByOne(&graph, 1e-10);
+}
+
 }  // namespace
 }  // namespace glissade

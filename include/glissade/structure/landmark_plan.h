@@ -63,8 +63,8 @@ struct LandmarkPlan {
   /// |p - o|, where the part itself goes with the distance of the landmark: H is right to the
   /// square of their ratio, in roundings. Landmarks for which |p - o| is above kMaxReach / |rho| at
   /// one of the poses are eliminated one by one, without twists. At 1000, H keeps nine digits.
-  /// The ratio is that of the states at the time of the analysis. Analyze() looks again where poses
-  /// have gone away from the center, twice as far as the farthest then was.
+  /// The ratio is that of the states at the time of the analysis. Analyze() looks at it again, and
+  /// analyzes anew where it has become twice as large as is allowed, by poses or by depths.
   static constexpr double kMaxReach = 1e3;
 
   std::vector<LandmarkGroup> groups;
@@ -85,7 +85,7 @@ struct LandmarkPlan {
   /// coordinate, each host counted with its landmarks). Neither the world's origin nor a cluster or
   /// a pose far away from most landmarks moves it.
   std::int32_t center = -1;
-  double reach = 0.0;  ///< distance of the farthest pose from it at the time of the analysis (m)
+  double reach = 0.0;  ///< largest |p - o| |rho| of a lane at the time of the analysis
   int num_landmarks = 0;
   static constexpr std::int32_t kNoBlock = INT32_MIN;
 

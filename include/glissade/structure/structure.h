@@ -71,7 +71,7 @@ struct StructureOptions {
 /// problem only, never on the number of threads: same input, same bits.
 class Structure {
  public:
-  /// Analyzes anew if the graph has changed since the last time (compacting it), or if its poses
+  /// Analyzes anew if the graph has changed since the last time (compacting it), or if its states
   /// have moved too far apart for groups(); cheap otherwise.
   /// Fails, naming both edges, on an observation that is in the graph twice.
   Status Analyze(Graph* graph, const StructureOptions& options = {});
