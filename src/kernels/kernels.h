@@ -102,6 +102,7 @@ struct KernelTable {
   // ---- Landmark elimination ---------------------------------------------------------------------
 
   /// Z = W C' of one landmark: block after block, each column-major; beta = C b_l.
+  /// 16 numbers behind W may be read, 8 behind z overwritten.
   void (*schur_panel)(const SchurLandmark* landmark, double* z, double* beta);
   /// S -= Z Z' and b -= Z beta in `count` blocks, of diagonal ones whole.
   void (*schur_blocks)(const SchurPanel* panel, int64_t count, const SchurBlock* blocks, double* s,

@@ -19,8 +19,8 @@ namespace glissade::kernels {
 struct SchurLandmark {
   int32_t blocks;
   int32_t dl;
-  const int32_t* row;    ///< first scalar of each in x and y; ascends, blocks do not overlap
-  const int32_t* dim;    ///< 1 to 16
+  const int32_t* row;  ///< first scalar of each in x and y; ascends, blocks do not overlap
+  const int32_t* dim;
   const double* w;       ///< W, blocks one after the other, each row-major dim x dl
   const double* factor;  ///< C, dl x dl, row-major, with zeros above the diagonal
   const double* b;       ///< b_l
@@ -39,7 +39,7 @@ struct SchurBlock {
   int32_t rhs;  ///< of a diagonal block: its first scalar of b. Else -1
   int32_t pair_begin, pair_end;
   int32_t col;  ///< the vertex whose block column it is in
-  uint8_t rows, cols;
+  uint16_t rows, cols;
 };
 
 /// Z of a batch of landmarks.

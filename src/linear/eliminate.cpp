@@ -102,7 +102,7 @@ void NormalEquations::FillPanel(const Structure& structure, const DampingTerm& d
                                 std::size_t batch, Panel* panel) {
   const kernels::KernelTable& kernel = kernels::Kernels();
   const SchurBatches& batches = schur_->batches();
-  // A vector that begins at the last number is read whole.
+  // A vector that begins at the last number is read and written whole.
   constexpr std::size_t kSpare = 8;
   panel->failed_landmark = -1;
   panel->z.resize(std::max(panel->z.size(), batches.max_z_size() + kSpare));

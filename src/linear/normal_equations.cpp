@@ -56,7 +56,8 @@ void NormalEquations::Resize(const Structure& structure) {
     h_pp_[c].resize(Index(structure.varying_size()));
     b_p_[c].resize(Index(num_poses_scalars_));
   }
-  landmarks_.resize(Index(structure.landmark_buffer_size()));
+  constexpr std::size_t kSpare = 16;  // kernels may read so many numbers behind the last record
+  landmarks_.resize(Index(structure.landmark_buffer_size()) + kSpare);
   const std::size_t size = Index(num_poses_scalars_ + structure.num_landmark_scalars());
   diagonal_.resize(size);
   b_.resize(size);

@@ -84,7 +84,7 @@ void SchurBatches::ListBlocks(const Structure& structure, const SchurStorage& st
       const BlockPlace place = storage.Find(row, col);
       const PoseBlock &r = structure.poses()[Index(row)], &c = structure.poses()[Index(col)];
       blocks_.push_back({place.offset, place.stride, row == col ? r.offset : -1, at, at, col,
-                         static_cast<std::uint8_t>(r.dim), static_cast<std::uint8_t>(c.dim)});
+                         static_cast<std::uint16_t>(r.dim), static_cast<std::uint16_t>(c.dim)});
     }
     pairs_.push_back(item.pair);
   }

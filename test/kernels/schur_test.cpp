@@ -129,8 +129,8 @@ class SchurTest : public KernelTest {
                          static_cast<int32_t>(pairs.size()),
                          0,
                          static_cast<int32_t>(c),
-                         static_cast<uint8_t>(batch.dims[a]),
-                         static_cast<uint8_t>(batch.dims[c])};
+                         static_cast<uint16_t>(batch.dims[a]),
+                         static_cast<uint16_t>(batch.dims[c])};
         for (size_t i = 0; i < slot_of.size(); ++i) {
           for (size_t j = 0; j < slot_of.size(); ++j) {
             if (slot_of[i].second != slot_of[j].second) continue;

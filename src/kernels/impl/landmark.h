@@ -126,7 +126,9 @@ void PanelFor(const SchurLandmark& l, double* z, double* beta) {
   for (int a = 0; a < l.blocks; ++a) {
     const int dim = l.dim[a];
     int r = 0;
-    for (; r + kW <= dim; r += kW) {
+    // A block that fills more than half a vector is one: what is stored behind a column is where
+    // the next one, or the next block, comes.
+    for (; r + kW <= dim || (r == 0 && 2 * dim > kW); r += kW) {
       vd x[kDl];
       LoadRowsOfW<kDl>(w + r * kDl, x);
 #pragma GCC unroll 4
