@@ -168,10 +168,12 @@ void Structure::NumberVariables(const Graph& graph) {
   }
   // A vertex without edges has no information: it is left out rather than made a zero row.
   for (const FlatEdges& edges : flat_) {
-    for (std::size_t k = 0; k < edges.index.size(); ++k) {
-      const std::size_t position = edges.arity > 0 ? k % Index(edges.arity) : k;
-      touched_[Index(edges.pool[position])][Index(edges.index[k])] = 1;
-    }
+    edges.ForEachPool([&](std::size_t pool, std::size_t first, std::size_t step) {
+      std::uint8_t* const touched = touched_[pool].data();
+      const std::size_t size = edges.index.size();
+      for (std::size_t k = first; k < size; k += step)
+        touched[edges.index[k]] = 1;
+    });
   }
   poses_.clear();
   landmarks_.clear();
@@ -197,10 +199,12 @@ void Structure::NumberVariables(const Graph& graph) {
   }
   for (FlatEdges& edges : flat_) {
     edges.variable.resize(edges.index.size());
-    for (std::size_t k = 0; k < edges.index.size(); ++k) {
-      const std::size_t position = edges.arity > 0 ? k % Index(edges.arity) : k;
-      edges.variable[k] = variable_[Index(edges.pool[position])][Index(edges.index[k])];
-    }
+    edges.ForEachPool([&](std::size_t pool, std::size_t first, std::size_t step) {
+      const std::int32_t* const variable = variable_[pool].data();
+      const std::size_t size = edges.index.size();
+      for (std::size_t k = first; k < size; k += step)
+        edges.variable[k] = variable[edges.index[k]];
+    });
   }
   const auto& tangents = graph.free_tangents();
   for (std::size_t t = 0; t < tangents.size(); ++t) {

@@ -231,6 +231,13 @@ class Structure {
     [[nodiscard]] int Begin(int edge) const {
       return arity > 0 ? edge * arity : begin[static_cast<std::size_t>(edge)];
     }
+    /// f(vertex pool, first, step): of index and variable, those of the pool are every step-th.
+    template <class F>
+    void ForEachPool(F&& f) const {
+      const std::size_t step = arity > 0 ? pool.size() : index.size();
+      for (std::size_t i = 0; i < pool.size(); ++i)
+        f(static_cast<std::size_t>(pool[i]), i, step);
+    }
     [[nodiscard]] int Arity(int edge) const {
       return arity > 0 ? arity
                        : begin[static_cast<std::size_t>(edge) + 1] -
