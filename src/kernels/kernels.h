@@ -18,6 +18,7 @@
 
 #include <stdint.h>
 
+#include "kernels/losses.h"
 #include "kernels/schur.h"
 #include "kernels/twists.h"
 #include "kernels/two_view.h"
@@ -128,9 +129,10 @@ struct KernelTable {
   /// J <- scale (J - alpha_over_s r (r'J)), scale and alpha_over_s per lane.
   void (*correct_lanes)(int rows, int cols, int lanes, const double* r, const double* scale,
                         const double* alpha_over_s, double* J);
-  /// Huber's loss of the squared residuals s, widths per lane (infinite: none). root =
+  /// A loss (not kNone) of the squared residuals s, widths per lane (infinite: none). root =
   /// sqrt(rho'(s)); returns the sum of rho(s) / 2.
-  double (*huber_lanes)(int lanes, const double* s, const double* width, double* root);
+  double (*loss_lanes)(LaneLoss loss, int lanes, const double* s, const double* width,
+                       double* root);
   /// x <- scale x.
   void (*scale_lanes)(int rows, int lanes, const double* scale, double* x);
   /// out (dim_a x dim_b, row-major) += alpha sum over rows and lanes of a'b. a == b: symmetric,

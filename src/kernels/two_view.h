@@ -14,6 +14,8 @@
 
 #include <stdint.h>
 
+#include "kernels/losses.h"
+
 namespace glissade::kernels {
 
 struct TwoViewCamera {
@@ -33,8 +35,9 @@ struct TwoViewRun {
 
 /// What multiplies residuals that are not whitened but by a factor.
 struct TwoViewWeights {
-  double scale;         ///< of the residual
-  const double* width;  ///< of Huber's loss per lane (infinite: none); null: none
+  double scale;  ///< of the residual
+  LaneLoss loss;
+  const double* width;  ///< of the loss per lane (infinite: none)
 };
 
 /// As all in lanes (kernels.h).

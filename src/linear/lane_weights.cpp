@@ -7,7 +7,9 @@
 #include <limits>
 
 #include "glissade/graph/robust.h"
+#include "glissade/losses/cauchy.h"
 #include "glissade/losses/huber.h"
+#include "glissade/losses/tukey.h"
 #include "kernels/kernels.h"
 
 namespace glissade {
@@ -23,6 +25,23 @@ bool IsScaledIdentity(int rows, const double* L) {
     if (L[k] != (k % (rows + 1) == 0 ? L[0] : 0.0)) return false;
   }
   return true;
+}
+
+/// The kernel of a loss, and its width; kNone where there is no loss, or no kernel of it.
+kernels::LaneLoss KernelOf(const Loss& loss, double* width) {
+  if (const Huber* huber = loss.As<Huber>()) {
+    *width = huber->width;
+    return kernels::LaneLoss::kHuber;
+  }
+  if (const Cauchy* cauchy = loss.As<Cauchy>()) {
+    *width = cauchy->width;
+    return kernels::LaneLoss::kCauchy;
+  }
+  if (const Tukey* tukey = loss.As<Tukey>()) {
+    *width = tukey->width;
+    return kernels::LaneLoss::kTukey;
+  }
+  return kernels::LaneLoss::kNone;
 }
 
 }  // namespace
@@ -57,12 +76,12 @@ LaneWeights::Run LaneWeights::Add(const EdgePoolBase& pool, const std::int32_t* 
       run.whitening = Whitening::kPerLane;
     }
   }
-  run.root = static_cast<std::int64_t>(numbers_.size());
   if (run.whitening == Whitening::kCommon) {
     if (IsScaledIdentity(rows, first)) run.whitening = Whitening::kScaled;
-    numbers_.insert(numbers_.end(), first, first + size);
+    run.root = Reserve(Index(size), 0.0);
+    std::copy_n(first, size, numbers_.begin() + run.root);
   } else if (run.whitening == Whitening::kPerLane) {
-    numbers_.resize(numbers_.size() + Index(size) * Index(lanes), 0.0);
+    run.root = Reserve(Index(size) * Index(lanes), 0.0);
     double* out = numbers_.data() + run.root;
     for (int s = 0; s < lanes; ++s) {
       const double* L = pool.whitening(edges[s]);
@@ -75,23 +94,32 @@ LaneWeights::Run LaneWeights::Add(const EdgePoolBase& pool, const std::int32_t* 
 }
 
 void LaneWeights::AddLosses(const EdgePoolBase& pool, const std::int32_t* edges, Run* run) {
-  using Robust = Run::Robust;
+  using kernels::LaneLoss;
   for (int s = 0; s < run->count; ++s) {
-    const Loss& loss = pool.loss(edges[s]);
-    if (loss.trivial()) continue;
-    if (loss.As<Huber>() == nullptr) {
-      run->robust = Robust::kAny;
+    double width = 0.0;
+    const LaneLoss loss = KernelOf(pool.loss(edges[s]), &width);
+    if (loss == LaneLoss::kNone && pool.loss(edges[s]).trivial()) continue;
+    run->other_loss =
+        loss == LaneLoss::kNone || (run->loss != LaneLoss::kNone && run->loss != loss);
+    if (run->other_loss) {
+      run->loss = LaneLoss::kNone;
       return;
     }
-    run->robust = Robust::kHuber;
+    run->loss = loss;
   }
-  if (run->robust != Robust::kHuber) return;
-  run->widths = static_cast<std::int64_t>(numbers_.size());
-  numbers_.resize(numbers_.size() + Index(run->lanes), std::numeric_limits<double>::infinity());
-  for (int s = 0; s < run->count; ++s) {
-    const Huber* huber = pool.loss(edges[s]).As<Huber>();
-    if (huber != nullptr) numbers_[Index(run->widths + s)] = huber->width;
-  }
+  if (run->loss == LaneLoss::kNone) return;
+  run->widths = Reserve(Index(run->lanes), std::numeric_limits<double>::infinity());
+  for (int s = 0; s < run->count; ++s)
+    static_cast<void>(KernelOf(pool.loss(edges[s]), &numbers_[Index(run->widths + s)]));
+}
+
+std::int64_t LaneWeights::Reserve(std::size_t count, double value) {
+  // Each array begins with a cache line, as all do.
+  constexpr std::size_t kLine = kernels::kLaneBlock;
+  const std::size_t begin = (numbers_.size() + kLine - 1) / kLine * kLine;
+  numbers_.resize(begin, 0.0);
+  numbers_.resize(begin + count, value);
+  return static_cast<std::int64_t>(begin);
 }
 
 int LaneWeights::Weigh(const Run& run, const EdgePoolBase& pool, const std::int32_t* edges,
@@ -119,17 +147,16 @@ int LaneWeights::Weigh(const Run& run, const EdgePoolBase& pool, const std::int3
     if (failed >= 0) return failed;
   }
   factors->weight = mask;
-  if (run.robust == Run::Robust::kNone) {
-    *cost += 0.5 * sum;
-    return std::isfinite(sum) ? -1 : FindNotFiniteLane(run.lanes, run.lanes, squares);
+  if (run.other_loss) return WeighOtherLoss(run, pool, edges, mask, r, J, scratch, cost, factors);
+  double added = 0.5 * sum;
+  if (run.loss != kernels::LaneLoss::kNone) {
+    double* const root = scratch->root.data();
+    added = kernel.loss_lanes(run.loss, run.lanes, squares, numbers_.data() + run.widths, root);
+    if (mask != nullptr) kernel.scale_lanes(1, run.lanes, mask, root);
+    factors->weight = root;
   }
-  if (run.robust == Run::Robust::kAny)
-    return WeighOtherLoss(run, pool, edges, mask, r, J, scratch, cost, factors);
-  double* const root = scratch->root.data();
-  *cost += kernel.huber_lanes(run.lanes, squares, numbers_.data() + run.widths, root);
-  if (mask != nullptr) kernel.scale_lanes(1, run.lanes, mask, root);
-  factors->weight = root;
-  return std::isfinite(sum) ? -1 : FindNotFiniteLane(run.lanes, run.lanes, squares);
+  *cost += added;
+  return std::isfinite(added) ? -1 : FindNotFiniteLane(run.lanes, run.lanes, squares);
 }
 
 int LaneWeights::WeighOtherLoss(const Run& run, const EdgePoolBase& pool, const std::int32_t* edges,

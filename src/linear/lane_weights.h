@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "glissade/graph/edge_pool_base.h"
+#include "kernels/losses.h"
 #include "linear/aligned.h"
 
 namespace glissade {
@@ -24,14 +25,14 @@ class LaneWeights {
   /// Those of one run.
   struct Run {
     enum class Whitening : std::uint8_t { kIdentity, kScaled, kCommon, kPerLane };
-    enum class Robust : std::uint8_t { kNone, kHuber, kAny };
     Whitening whitening = Whitening::kIdentity;
-    Robust robust = Robust::kNone;
+    kernels::LaneLoss loss = kernels::LaneLoss::kNone;
+    bool other_loss = false;  ///< losses that have no kernel, or different ones
     std::int32_t rows = 0;
     std::int32_t count = 0;  ///< lanes with an edge; those after them have zero values
     std::int32_t lanes = 0;
     std::int64_t root = 0;    ///< in numbers_: L, one or an array per entry
-    std::int64_t widths = 0;  ///< in numbers_, of Huber's losses
+    std::int64_t widths = 0;  ///< in numbers_, of the losses
   };
   /// What is still to be multiplied with: J by scale, and then r and J by weight (null: 1).
   struct Factors {
@@ -51,9 +52,9 @@ class LaneWeights {
     return run.whitening == Run::Whitening::kScaled ? numbers_[static_cast<std::size_t>(run.root)]
                                                     : 1.0;
   }
-  /// Of Huber's losses per lane; null where there are none.
+  /// Of the losses per lane; null where there are none.
   [[nodiscard]] const double* WidthsOf(const Run& run) const {
-    return run.robust == Run::Robust::kHuber ? numbers_.data() + run.widths : nullptr;
+    return run.loss != kernels::LaneLoss::kNone ? numbers_.data() + run.widths : nullptr;
   }
   /// Whitens r and adds the run's cost. J are whitened and corrected but for `factors`. mask: null,
   /// or 0 where a lane does not count. Returns the first lane whose cost is not finite, or -1.
@@ -62,6 +63,8 @@ class LaneWeights {
             Factors* factors) const;
 
  private:
+  /// Room in numbers_: where it begins.
+  std::int64_t Reserve(std::size_t count, double value);
   void AddLosses(const EdgePoolBase& pool, const std::int32_t* edges, Run* run);
   int WeighOtherLoss(const Run& run, const EdgePoolBase& pool, const std::int32_t* edges,
                      const double* mask, double* r, std::span<const LaneMatrix> J, Scratch* scratch,

@@ -32,7 +32,7 @@ void TwistTerms::PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool
   using Weights = LaneWeights::Run;
   segment->in_one = (segment->weights.whitening == Weights::Whitening::kIdentity ||
                      segment->weights.whitening == Weights::Whitening::kScaled) &&
-                    segment->weights.robust != Weights::Robust::kAny;
+                    !segment->weights.other_loss;
   segment->uv = static_cast<std::int64_t>(uv_.size());
   uv_.resize(uv_.size() + 4 * Index(segment->lanes));
   double* const uv = uv_.data() + segment->uv;
@@ -92,7 +92,7 @@ kernels::TwoViewRun TwistTerms::TwoViewsOf(const LandmarkPlan& plan, const Landm
 
 kernels::TwoViewWeights TwistTerms::TwoViewWeightsOf(const Segment& segment) const {
   const LaneWeights::Run& run = segment.weights;
-  return {weights_.ScaleOf(run), weights_.WidthsOf(run)};
+  return {weights_.ScaleOf(run), run.loss, weights_.WidthsOf(run)};
 }
 
 }  // namespace glissade

@@ -219,22 +219,5 @@ TEST_P(TwistsTest, ReducedIsTheProductOfThePanel) {
   }
 }
 
-TEST_P(TwistsTest, HubersLoss) {
-  constexpr int kLanes = 16;
-  Guarded squares(I(kLanes)), width(I(kLanes)), root(I(kLanes));
-  double expected = 0.0;
-  for (int s = 0; s < kLanes; ++s) {
-    squares[I(s)] = 0.5 * s;
-    width[I(s)] = s % 3 == 0 ? std::numeric_limits<double>::infinity() : 1.0 + 0.1 * s;
-    const double r = std::sqrt(squares[I(s)]), w = width[I(s)];
-    expected += r <= w ? 0.5 * r * r : w * r - 0.5 * w * w;
-  }
-  EXPECT_NEAR(k().huber_lanes(kLanes, squares.data(), width.data(), root.data()), expected, 1e-13);
-  for (int s = 0; s < kLanes; ++s) {
-    const double r = std::sqrt(squares[I(s)]);
-    EXPECT_NEAR(root[I(s)], r <= width[I(s)] ? 1.0 : std::sqrt(width[I(s)] / r), 1e-15);
-  }
-}
-
 }  // namespace
 }  // namespace glissade::kernels

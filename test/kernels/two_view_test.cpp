@@ -138,10 +138,11 @@ TEST_P(TwoViewTest, SumsInOnePassAreThoseOfTheValues) {
   constexpr int kLanes = Scene::kLanes;
   const Scene scene(2);
   for (const bool masked : {false, true}) {
-    for (const bool huber : {false, true}) {
+    for (const LaneLoss loss :
+         {LaneLoss::kNone, LaneLoss::kHuber, LaneLoss::kCauchy, LaneLoss::kTukey}) {
       for (const bool sets : {false, true}) {
         const TwoViewRun run = scene.Run(masked);
-        const TwoViewWeights weights{3.0, huber ? scene.width.data() : nullptr};
+        const TwoViewWeights weights{3.0, loss, scene.width.data()};
         Totals in_one, in_turn;
         const TwistTotals to = in_one.To(scene.frame, sets);
         double cost = -1.0;
@@ -150,21 +151,27 @@ TEST_P(TwoViewTest, SumsInOnePassAreThoseOfTheValues) {
         Guarded r(I(2 * kLanes)), J_l(I(2 * kLanes)), J(I(12 * kLanes));
         const TwoViewValues values{r.data(), J_l.data(), J.data()};
         k().two_view_lanes(&run, &values);
-        std::vector<double> factor(I(kLanes));
-        double expected = 0.0;
-        int outside = 0;
+        Guarded factor(I(kLanes)), squares(I(kLanes));
         for (int s = 0; s < kLanes; ++s) {
           const double mask = masked ? scene.mask[I(s)] : 1.0;
-          const double width = huber ? scene.width[I(s)] : std::numeric_limits<double>::infinity();
-          for (int row = 0; row < 2; ++row)
-            r[I(row * kLanes + s)] *= 3.0;
-          const double norm = std::hypot(r[I(s)], r[I(kLanes + s)]);
-          factor[I(s)] = mask * (norm <= width ? 1.0 : std::sqrt(width / norm));
-          expected +=
-              mask * (norm <= width ? 0.5 * norm * norm : width * norm - 0.5 * width * width);
-          outside += norm > width ? 1 : 0;
+          squares[I(s)] = 0.0;
+          for (int row = 0; row < 2; ++row) {
+            double& x = r[I(row * kLanes + s)];
+            x *= 3.0;
+            squares[I(s)] += mask * x * x;
+          }
+          factor[I(s)] = 1.0;
         }
-        ASSERT_EQ(outside > 10, huber);
+        double expected = 0.0;
+        if (loss == LaneLoss::kNone) {
+          for (int s = 0; s < kLanes; ++s)
+            expected += 0.5 * squares[I(s)];
+        } else {
+          expected =
+              k().loss_lanes(loss, kLanes, squares.data(), scene.width.data(), factor.data());
+        }
+        for (int s = 0; s < kLanes && masked; ++s)
+          factor[I(s)] *= scene.mask[I(s)];
         TwistRun same{2, kLanes, r.data(), J_l.data(), J.data(), 3.0, factor.data()};
         const TwistTotals to_other = in_turn.To(scene.frame, sets);
         ASSERT_EQ(k().twist_sums(&same, &to_other), 1);
@@ -190,7 +197,7 @@ TEST_P(TwoViewTest, SumsInOnePassAreThoseOfTheValues) {
 TEST_P(TwoViewTest, WhatIsNotFiniteIsSaid) {
   Scene scene(3);
   const TwoViewRun run = scene.Run(true);
-  const TwoViewWeights weights{1.0, scene.width.data()};
+  const TwoViewWeights weights{1.0, LaneLoss::kHuber, scene.width.data()};
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int s = 0; s < Scene::kLanes; ++s) {
     Totals totals;

@@ -10,7 +10,6 @@
 #ifndef GLISSADE_KERNELS_IMPL_LANES_H_
 #define GLISSADE_KERNELS_IMPL_LANES_H_
 
-#include "kernels/impl/losses.h"
 #include "kernels/impl/simd.h"
 
 namespace glissade::kernels {
@@ -113,17 +112,6 @@ void CorrectLanes(int rows, int cols, int lanes, const double* r, const double* 
       }
     }
   }
-}
-
-/// Huber's loss of `lanes` squared residuals; see kernels.h.
-double HuberLanes(int lanes, const double* squares, const double* width, double* root) {
-  vd cost = Zero();
-  for (int lane = 0; lane < lanes; lane += kW) {
-    vd weight;
-    cost += Huber(Load(squares + lane), Load(width + lane), &weight);
-    Store(root + lane, Sqrt(weight));
-  }
-  return 0.5 * Sum(cost);
 }
 
 void ScaleLanes(int rows, int lanes, const double* scale, double* x) {

@@ -10,6 +10,7 @@
 #include "kernels/impl/landmark.h"
 #include "kernels/impl/lanes.h"
 #include "kernels/impl/left_multiply.h"
+#include "kernels/impl/losses.h"
 #include "kernels/impl/partial.h"
 #include "kernels/impl/rank_update.h"
 #include "kernels/impl/schur.h"
@@ -68,7 +69,7 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .whiten_lanes = WhitenLanes,
     .lane_squares = LaneSquares,
     .correct_lanes = CorrectLanes,
-    .huber_lanes = HuberLanes,
+    .loss_lanes = LossLanes,
     .scale_lanes = ScaleLanes,
     .lane_products = LaneProducts,
     .lane_couplings = LaneCouplings,

@@ -103,7 +103,7 @@ struct TwoViewResidual {
   vd r0, r1, weight;
 };
 
-template <bool kMasked, bool kHuber>
+template <bool kMasked, LaneLoss kLoss>
 GLISSADE_INLINE TwoViewResidual WeighLanes(const TwoViewRun& run, const TwoViewWeights& weights,
                                            vd u, vd v, Index s, vd* cost) {
   const Index n = run.lanes;
@@ -113,36 +113,58 @@ GLISSADE_INLINE TwoViewResidual WeighLanes(const TwoViewRun& run, const TwoViewW
   out.weight = Splat(weights.scale * weights.scale);
   if (kMasked) out.weight *= Load(run.mask + s);
   const vd square = out.weight * (out.r0 * out.r0 + out.r1 * out.r1);
-  if (!kHuber) {
+  if (kLoss == LaneLoss::kNone) {
     *cost += square;
     return out;
   }
   vd weight;
-  *cost += Huber(square, Load(weights.width + s), &weight);
+  *cost += LossOf<kLoss>(square, Load(weights.width + s), &weight);
   out.weight *= weight;
   return out;
 }
 
-template <bool kMasked, bool kHuber>
+template <bool kMasked, LaneLoss kLoss>
 double TwoViewCostOf(const TwoViewRun& run, const TwoViewWeights& weights) {
   const TwoViewPose pose = HostInTarget(run);
   vd cost = Zero();
   for (Index s = 0; s < run.lanes; s += kW) {
     const TwoViewPoint point = ProjectLanes<kMasked>(run, pose, s);
-    WeighLanes<kMasked, kHuber>(run, weights, point.u, point.v, s, &cost);
+    WeighLanes<kMasked, kLoss>(run, weights, point.u, point.v, s, &cost);
   }
   return 0.5 * Sum(cost);
 }
 
 /// The same bits as the cost that comes with the sums: near an optimum, the minimizer compares the
 /// one with the other.
-double TwoViewCost(const TwoViewRun* run, const TwoViewWeights* weights) {
-  if (run->mask != nullptr) {
-    return weights->width != nullptr ? TwoViewCostOf<true, true>(*run, *weights)
-                                     : TwoViewCostOf<true, false>(*run, *weights);
+struct TwoViewCostKernel {
+  template <bool kMasked, LaneLoss kLoss>
+  static double Run(const TwoViewRun& run, const TwoViewWeights& weights) {
+    return TwoViewCostOf<kMasked, kLoss>(run, weights);
   }
-  return weights->width != nullptr ? TwoViewCostOf<false, true>(*run, *weights)
-                                   : TwoViewCostOf<false, false>(*run, *weights);
+};
+
+/// Kernel::Run with what the compiler should know of a run.
+template <class Kernel, bool kMasked, class... Args>
+auto WithLoss(const TwoViewRun& run, const TwoViewWeights& weights, Args... args) {
+  switch (weights.loss) {
+    case LaneLoss::kNone:
+      return Kernel::template Run<kMasked, LaneLoss::kNone>(run, weights, args...);
+    case LaneLoss::kHuber:
+      return Kernel::template Run<kMasked, LaneLoss::kHuber>(run, weights, args...);
+    case LaneLoss::kCauchy:
+      return Kernel::template Run<kMasked, LaneLoss::kCauchy>(run, weights, args...);
+    default:
+      return Kernel::template Run<kMasked, LaneLoss::kTukey>(run, weights, args...);
+  }
+}
+template <class Kernel, class... Args>
+auto ForRun(const TwoViewRun& run, const TwoViewWeights& weights, Args... args) {
+  return run.mask != nullptr ? WithLoss<Kernel, true>(run, weights, args...)
+                             : WithLoss<Kernel, false>(run, weights, args...);
+}
+
+double TwoViewCost(const TwoViewRun* run, const TwoViewWeights* weights) {
+  return ForRun<TwoViewCostKernel>(*run, *weights);
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ struct TwoViewScratch {
 };
 
 /// Landmarks and forces of lanes [begin, end).
-template <bool kMasked, bool kHuber>
+template <bool kMasked, LaneLoss kLoss>
 GLISSADE_INLINE void AddForces(const TwoViewRun& run, const TwoViewWeights& weights,
                                const TwoViewPose& pose, const TwistTotals& to, Index begin,
                                Index end, vd& squares, vd& poison, TwoViewScratch& out) {
@@ -140,7 +140,7 @@ GLISSADE_INLINE void AddForces(const TwoViewRun& run, const TwoViewWeights& weig
   for (Index s = begin; s < end; s += kW) {
     const TwoViewPoint point = ProjectLanes<kMasked>(run, pose, s);
     const vd u = point.u, v = point.v, inverse_z = point.inverse_z;
-    const TwoViewResidual residual = WeighLanes<kMasked, kHuber>(run, weights, u, v, s, &squares);
+    const TwoViewResidual residual = WeighLanes<kMasked, kLoss>(run, weights, u, v, s, &squares);
     const vd w = residual.weight, r0 = residual.r0, r1 = residual.r1;
     const vd g = inverse_z * point.rho;
     const Index at = s - begin;
@@ -223,7 +223,7 @@ GLISSADE_INLINE void AddTwoViewSums(const TwoViewScratch& from, Index lanes,
   }
 }
 
-template <bool kMasked, bool kHuber>
+template <bool kMasked, LaneLoss kLoss>
 int TwoViewSumsOf(const TwoViewRun& run, const TwoViewWeights& weights, const TwistTotals& to,
                   double* cost) {
   const TwoViewPose pose = HostInTarget(run);
@@ -235,7 +235,7 @@ int TwoViewSumsOf(const TwoViewRun& run, const TwoViewWeights& weights, const Tw
   vd squares = Zero(), poison = Zero();
   for (Index begin = 0; begin < run.lanes; begin += TwoViewScratch::kLanes) {
     const Index end = Min<Index>(begin + TwoViewScratch::kLanes, run.lanes);
-    AddForces<kMasked, kHuber>(run, weights, pose, to, begin, end, squares, poison, scratch);
+    AddForces<kMasked, kLoss>(run, weights, pose, to, begin, end, squares, poison, scratch);
     AddTwoViewSums(scratch, end - begin, sum);
   }
   double totals[kTwoViewVectors];
@@ -250,14 +250,17 @@ int TwoViewSumsOf(const TwoViewRun& run, const TwoViewWeights& weights, const Tw
   return Sum(poison + Zero() * squares) == 0.0 ? 1 : 0;
 }
 
+struct TwoViewSumsKernel {
+  template <bool kMasked, LaneLoss kLoss>
+  static int Run(const TwoViewRun& run, const TwoViewWeights& weights, const TwistTotals* to,
+                 double* cost) {
+    return TwoViewSumsOf<kMasked, kLoss>(run, weights, *to, cost);
+  }
+};
+
 int TwoViewSums(const TwoViewRun* run, const TwoViewWeights* weights, const TwistTotals* to,
                 double* cost) {
-  if (run->mask != nullptr) {
-    return weights->width != nullptr ? TwoViewSumsOf<true, true>(*run, *weights, *to, cost)
-                                     : TwoViewSumsOf<true, false>(*run, *weights, *to, cost);
-  }
-  return weights->width != nullptr ? TwoViewSumsOf<false, true>(*run, *weights, *to, cost)
-                                   : TwoViewSumsOf<false, false>(*run, *weights, *to, cost);
+  return ForRun<TwoViewSumsKernel>(*run, *weights, to, cost);
 }
 
 }  // namespace
