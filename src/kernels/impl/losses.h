@@ -22,12 +22,12 @@ GLISSADE_INLINE vd Log1p(vd x, vd* inverse) {
   *inverse = one / u;
   const vd rounded = x < one ? x - (u - one) : one - (u - x);
   const vd correction = rounded * *inverse;
-  constexpr int64_t kOne = 0x3ff0000000000000, kRootOfHalf = 0x3fe6a09e667f3bcd;
-  const vi bits = reinterpret_cast<vi>(u) + (kOne - kRootOfHalf);
-  // The exponent as a double: put under the last bits of 2^52. The bits are those of a positive
-  // number, so that the shift is one of unsigned numbers.
+  constexpr uint64_t kOne = 0x3ff0000000000000, kRootOfHalf = 0x3fe6a09e667f3bcd;
+  // Unsigned, so that bits of a NaN may overflow; and the exponent is made a double by putting it
+  // under the last bits of 2^52.
   typedef uint64_t vu __attribute__((vector_size(8 * kW)));
-  const vd biased = reinterpret_cast<vd>((reinterpret_cast<vu>(bits) >> 52) | 0x4330000000000000);
+  const vu bits = reinterpret_cast<vu>(u) + (kOne - kRootOfHalf);
+  const vd biased = reinterpret_cast<vd>((bits >> 52) | 0x4330000000000000);
   const vd k = biased - Splat(0x1p52 + 1023.0);
   const vd f = reinterpret_cast<vd>((bits & 0x000fffffffffffff) + kRootOfHalf) - one;
   const vd t = f / (Splat(2.0) + f), z = t * t;
