@@ -72,6 +72,17 @@ function(glissade_target_defaults target)
   endif()
 endfunction()
 
+# target_precompile_headers for targets with glissade_target_defaults.
+function(glissade_precompile_headers target)
+  target_precompile_headers(${target} ${ARGN})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 12
+     AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    # Of std::string's operator+, too (see above): what comes from a precompiled header does not
+    # count as from the system.
+    target_compile_options(${target} PRIVATE -Wno-stringop-overflow)
+  endif()
+endfunction()
+
 # Sets `out` to those of the given files that do not say "requires: ceres" in their first lines,
 # unless Ceres is there.
 function(glissade_drop_ceres_sources out)

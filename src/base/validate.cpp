@@ -25,8 +25,9 @@ Status NotFinite(const double* x, int n, std::string_view what) {
   int culprit = 0;
   while (culprit < n - 1 && std::isfinite(x[culprit]))
     ++culprit;
-  const std::string index = n > 1 ? "[" + std::to_string(culprit) + "]" : "";
-  return {StatusCode::kNotFinite, Message(what, "value" + index + " is " + ToText(x[culprit]))};
+  std::string problem = "value";
+  if (n > 1) problem.append("[").append(std::to_string(culprit)).append("]");
+  return {StatusCode::kNotFinite, Message(what, problem + " is " + ToText(x[culprit]))};
 }
 
 Status NotPositive(double x, std::string_view what) {
