@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 
-#include "common/ceres.h"
 #include "common/interrupt.h"
 #include "common/output_file.h"
 #include "common/program.h"
@@ -18,6 +17,7 @@
 #include "common/version.h"
 #include "glissade/io/bal.h"
 #include "glissade/problem/problem.h"
+#include "studies/ceres.h"
 
 namespace {
 

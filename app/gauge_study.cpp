@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "common/gauge_report.h"
 #include "common/interrupt.h"
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/program.h"
 #include "common/solver_options.h"
 #include "common/version.h"
-#include "common/vio_segment.h"
+#include "studies/gauge_report.h"
+#include "studies/vio_segment.h"
 
 namespace {
 

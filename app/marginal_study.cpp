@@ -14,8 +14,6 @@
 #include <vector>
 
 #include "common/interrupt.h"
-#include "common/marginal_summary.h"
-#include "common/marginal_walk.h"
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/program.h"
@@ -24,6 +22,8 @@
 #include "glissade/problem/problem.h"
 #include "glissade/sim/vi_window.h"
 #include "glissade/sim/vi_world.h"
+#include "studies/marginal_summary.h"
+#include "studies/marginal_walk.h"
 
 namespace glissade::app {
 namespace {

@@ -15,8 +15,8 @@
 #include "common/output_file.h"
 #include "common/program.h"
 #include "common/solver_options.h"
-#include "common/sweep.h"
 #include "common/version.h"
+#include "studies/sweep.h"
 
 namespace {
 

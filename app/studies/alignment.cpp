@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/alignment.h"
+#include "studies/alignment.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

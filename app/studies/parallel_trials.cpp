@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/parallel_trials.h"
+#include "studies/parallel_trials.h"
 
 #include <unistd.h>
 

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/sweep.h"
+#include "studies/sweep.h"
 
 #include <array>
 #include <cmath>
 #include <utility>
 
-#include "common/alignment.h"
 #include "common/interrupt.h"
 #include "glissade/sim/random.h"
+#include "studies/alignment.h"
 
 namespace glissade::app {
 

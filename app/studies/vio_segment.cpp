@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/vio_segment.h"
+#include "studies/vio_segment.h"
 
 #include <fmt/format.h>
 

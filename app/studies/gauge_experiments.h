@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "common/gauge_method.h"
-#include "common/parallel_trials.h"
 #include "glissade/sim/vi_world.h"
+#include "studies/gauge_method.h"
+#include "studies/parallel_trials.h"
 
 /// \file
 /// The experiments of the gauge study. Trials run side by side, each on one thread; results do not

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/gauge_covariance.h"
-#include "common/gauge_experiments.h"
+#include "studies/gauge_covariance.h"
+#include "studies/gauge_experiments.h"
 
 namespace glissade::app {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "common/marginal_walk.h"
+#include "studies/marginal_walk.h"
 
 namespace glissade::app {
 

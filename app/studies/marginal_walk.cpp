@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/marginal_walk.h"
+#include "studies/marginal_walk.h"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/ceres.h"
+#include "studies/ceres.h"
 
 #ifdef GLISSADE_HAVE_CERES
 #include <ceres/solver.h>

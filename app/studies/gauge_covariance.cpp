@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/gauge_covariance.h"
+#include "studies/gauge_covariance.h"
 
 #include <Eigen/Core>
 
-#include "common/gauge_method.h"
 #include "glissade/covariance/covariance.h"
 #include "glissade/covariance/transform.h"
+#include "studies/gauge_method.h"
 
 namespace glissade::app {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/gauge_report.h"
+#include "studies/gauge_report.h"
 
 #include <fmt/format.h>
 

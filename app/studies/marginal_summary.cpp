@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/marginal_summary.h"
+#include "studies/marginal_summary.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/gauge_method.h"
+#include "studies/gauge_method.h"
 
 #include <algorithm>
 #include <cmath>
