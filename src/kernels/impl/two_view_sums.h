@@ -53,7 +53,7 @@ struct Rows3 {
 };
 
 GLISSADE_INLINE v4 Row3(double a, double b, double c) {
-  return v4{a, b, c, 0.0};
+  return v4{a, b, c, c};
 }
 /// (a, b, c) B.
 GLISSADE_INLINE v4 Times3(double a, double b, double c, const Rows3& B) {
@@ -76,8 +76,8 @@ GLISSADE_INLINE void TurnSums(const TwistFrame& frame, const double* x, double* 
   Rows3 F;
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
-    F.row[i] = Rt.row[2] * Ry[i] + Ry * R[3 * i + 2];
-    F.row[i][i] += f00;
+    const v4 unit = Row3(i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0);
+    F.row[i] = Rt.row[2] * Ry[i] + (Ry * R[3 * i + 2] + unit * f00);
   }
   // By rows of q: R M' R' and R Q R'.
   const Rows3 MR{{Times3(-x[kMinusM00], -x[kMinusM10], x[kM20], Rt),
