@@ -20,7 +20,7 @@
 #include "glissade/cameras/pinhole.h"
 #include "glissade/edges/reprojection_stereo.h"
 #include "glissade/edges/reprojection_xyz.h"
-#include "glissade/graph/builtin_pools.h"
+#include "glissade/graph/pools.h"
 #include "glissade/io/viowin.h"
 #include "glissade/linear/instruction_set.h"
 #include "glissade/losses/cauchy.h"

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "glissade/gauge/nullspace.h"
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/io/viowin.h"
 #include "glissade/linear/instruction_set.h"
 #include "glissade/problem/problem.h"

@@ -14,6 +14,7 @@
 #include "bridge/edge_cost.h"
 #include "bridge/vertex_manifold.h"
 #include "glissade/bridge/manifold.h"
+#include "glissade/graph/pools.h"
 #include "glissade/vertices/pose.h"
 
 namespace glissade::bridge {

@@ -8,6 +8,7 @@
 
 #include "bridge/scratch.h"
 #include "glissade/bridge/manifold.h"
+#include "glissade/graph/pools.h"
 #include "glissade/vertices/pose.h"
 
 namespace glissade::bridge {

@@ -9,6 +9,7 @@
 
 #include "glissade/graph/edge_pool_base.h"
 #include "glissade/graph/fix.h"
+#include "glissade/graph/pools.h"
 #include "glissade/losses/loss.h"
 
 namespace glissade::bridge {

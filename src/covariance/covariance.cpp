@@ -314,4 +314,8 @@ Result<JointCovariance> ComputeCovariance(Graph* graph, std::span<const AnyVerte
   });
 }
 
+Result<JointCovariance> Covariance::Joint(std::initializer_list<AnyVertex> vertices) const {
+  return Joint(std::span(vertices.begin(), vertices.size()));
+}
+
 }  // namespace glissade

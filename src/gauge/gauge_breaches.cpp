@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "gauge/gauge_vectors.h"
+#include "glissade/graph/pools.h"
 #include "glissade/graph/robust.h"
 
 namespace glissade {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "glissade/gauge/nullspace.h"
+#include "glissade/graph/pools.h"
 #include "glissade/linear/linearized_states.h"
 
 namespace glissade {

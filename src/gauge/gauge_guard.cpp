@@ -9,6 +9,7 @@
 #include <span>
 
 #include "glissade/gauge/gauge_prior.h"
+#include "glissade/graph/pools.h"
 #include "glissade/lie/pose.h"
 
 namespace glissade {

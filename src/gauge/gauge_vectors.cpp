@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "glissade/graph/pools.h"
 #include "glissade/vertices/inverse_depth.h"
 
 namespace glissade {

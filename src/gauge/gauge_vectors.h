@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "glissade/gauge/orbit.h"
+#include "glissade/graph/pools.h"
 #include "glissade/linear/linearized_states.h"
 #include "glissade/structure/structure.h"
 

@@ -10,6 +10,7 @@
 #include "gauge/gauge_breaches.h"
 #include "gauge/move_priors.h"
 #include "glissade/gauge/constraint.h"
+#include "glissade/graph/pools.h"
 
 namespace glissade {
 

@@ -4,8 +4,6 @@
 
 #include <Eigen/LU>
 
-#include "glissade/graph/builtin_pools.h"
-
 namespace glissade {
 
 namespace {
@@ -57,17 +55,17 @@ Status PriorMover::MoveMarginal(const OrbitMotion& g, EdgeMarginalPrior* prior,
 template <class E, class State>
 Status PriorMover::MoveAbsolute(const OrbitMotion& g, State&& state, std::vector<Kept<E>>* kept) {
   constexpr int kDim = E::kResidualDim;
-  auto* pool = static_cast<EdgePool<E>*>(graph_->EdgePoolOf(&kTypeInfo<E>));
+  EdgePool* pool = graph_->Pool<E>();
   for (int k = 0; pool != nullptr && k < pool->size(); ++k) {
     if (!pool->Alive(k) || !orbit_.Moves(pool->VertexOf(k, 0))) continue;
     const EdgeHandle<E> handle = *pool->HandleAt(k).template As<E>();
-    kept->push_back({handle, pool->At(k), SquareMatrix<kDim>(pool->sqrt_information(k))});
+    kept->push_back({handle, pool->At<E>(k), SquareMatrix<kDim>(pool->sqrt_information(k))});
     // Residuals are turned and scaled in their first three rows; the weight takes that back.
     SquareMatrix<kDim> sqrt = kept->back().sqrt;
     const double scale = kDim == 9 ? 1.0 : g.scale;
     const Matrix3 R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(g.R);
     sqrt.template leftCols<3>() = (sqrt.template leftCols<3>() * R.transpose() / scale).eval();
-    orbit_.Move(g, pool->VertexOf(k, 0), state(&pool->At(k)));
+    orbit_.Move(g, pool->VertexOf(k, 0), state(&pool->At<E>(k)));
     if (Status s = graph_->SetSqrtInformation(handle, sqrt); !s.ok()) return s;
   }
   return {};
@@ -94,9 +92,9 @@ Status PriorMover::Move(const OrbitMotion& g, bool absolute) {
 
 template <class E>
 void PriorMover::PutBack(const std::vector<Kept<E>>& kept) {
-  auto* pool = static_cast<EdgePool<E>*>(graph_->EdgePoolOf(&kTypeInfo<E>));
+  EdgePool* pool = graph_->Pool<E>();
   for (const Kept<E>& one : kept) {
-    pool->At(pool->slots().IndexOf(one.handle.slot)) = one.edge;
+    pool->At<E>(pool->slots().IndexOf(one.handle.slot)) = one.edge;
     (void)graph_->SetSqrtInformation(one.handle, one.sqrt);
   }
 }

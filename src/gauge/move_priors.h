@@ -10,6 +10,7 @@
 #include "glissade/edges/se3_prior.h"
 #include "glissade/edges/speed_bias_prior.h"
 #include "glissade/gauge/orbit.h"
+#include "glissade/graph/pools.h"
 
 namespace glissade {
 

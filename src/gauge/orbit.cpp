@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "glissade/graph/pools.h"
 #include "glissade/lie/so3.h"
 #include "glissade/vertices/inverse_depth.h"
 #include "glissade/vertices/point_xyz.h"

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "glissade/edges/marginal_prior.h"
+#include "glissade/graph/pools.h"
 #include "glissade/graph/robust.h"
 
 namespace glissade {

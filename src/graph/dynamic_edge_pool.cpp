@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/graph/dynamic_edge_pool.h"
+#include "glissade/graph/pools.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/graph/edge_lists.h"
+#include "glissade/graph/pools.h"
 
 #include <algorithm>
 

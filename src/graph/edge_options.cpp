@@ -7,6 +7,8 @@
 #include <numeric>
 #include <vector>
 
+#include "glissade/base/validate.h"
+
 namespace glissade::internal {
 
 bool SqrtOfInformation(int n, const double* omega, double* sqrt) {
@@ -77,6 +79,36 @@ bool SqrtOfInformation(int n, const double* omega, double* sqrt) {
       sqrt[at(row, j)] *= scale[static_cast<std::size_t>(j)];
   }
   return true;
+}
+
+Status MakeSqrtInformation(int rows, const EdgeWeight& weight, double* sqrt, bool* identity) {
+  const int size = rows * rows;
+  if (weight.sqrt_information != nullptr && weight.information != nullptr) {
+    return {StatusCode::kInvalidArgument, "give information or sqrt_information, not both"};
+  }
+  if (weight.sqrt_information != nullptr) {
+    if (!AllFinite(weight.sqrt_information, size)) {
+      return {StatusCode::kNotFinite, "square-root information is not finite"};
+    }
+    std::copy_n(weight.sqrt_information, size, sqrt);
+  } else if (weight.information != nullptr) {
+    if (!AllFinite(weight.information, size)) {
+      return {StatusCode::kNotFinite, "information is not finite"};
+    }
+    if (!SqrtOfInformation(rows, weight.information, sqrt)) {
+      return {StatusCode::kNotPositive, "information is not symmetric positive semi-definite"};
+    }
+  } else {
+    std::fill_n(sqrt, size, 0.0);
+    for (int i = 0; i < rows; ++i)
+      sqrt[i * (rows + 1)] = 1.0;
+    *identity = true;
+    return {};
+  }
+  *identity = true;
+  for (int i = 0; i < size; ++i)
+    *identity = *identity && sqrt[i] == (i % (rows + 1) == 0 ? 1.0 : 0.0);
+  return {};
 }
 
 }  // namespace glissade::internal

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "glissade/graph/edge_pool_base.h"
+#include "glissade/graph/pools.h"
 #include "glissade/lie/quaternion.h"
 #include "lanes/evaluators.h"
 
@@ -84,6 +85,17 @@ void MoveRelativePointLanes(int rows, const LaneRun& run, const double* lin_b,
 }
 
 }  // namespace
+
+EdgePoolBase::~EdgePoolBase() = default;
+
+std::uint32_t EdgePoolBase::FindOrAddLoss(const Loss& loss) {
+  // Graphs have a handful of distinct losses; the last one added is the likeliest.
+  for (std::size_t k = losses_.size(); k-- > 0;) {
+    if (losses_[k] == loss) return static_cast<std::uint32_t>(k);
+  }
+  losses_.push_back(loss);
+  return static_cast<std::uint32_t>(losses_.size() - 1);
+}
 
 EvaluateLanes EdgePoolBase::LibraryEvaluator(const TypeInfo* type) {
   return lanes::EvaluatorOf(type);

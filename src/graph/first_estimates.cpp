@@ -6,7 +6,7 @@
 #include <string>
 
 #include "glissade/base/validate.h"
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 #include "glissade/lie/pose.h"
 
 namespace glissade {

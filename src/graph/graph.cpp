@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 
 #include <algorithm>
 #include <atomic>
@@ -42,6 +42,7 @@ void SortByAge(std::vector<std::unique_ptr<Pool>>* pools) {
 }  // namespace
 
 Graph::Graph() : identity_(NewIdentity()) {}
+Graph::~Graph() = default;
 
 // Only ever compared for equality, so that nothing depends on how many graphs there were before.
 std::uint64_t Graph::NewIdentity() {
@@ -92,6 +93,10 @@ EdgePoolBase* Graph::EdgePoolOf(const TypeInfo* type) const {
     if (pool->type() == type) return pool.get();
   }
   return nullptr;
+}
+
+EdgePool* Graph::TypedEdgePoolOf(const TypeInfo* type) const {
+  return static_cast<EdgePool*>(EdgePoolOf(type));
 }
 
 Graph::VertexSite Graph::Locate(AnyVertex vertex) const {
@@ -386,7 +391,7 @@ void Graph::RestoreStates() {
 Result<Graph> Graph::Clone() const {
   Graph copy;
   for (const auto& pool : vertex_pools_)
-    copy.vertex_pools_.push_back(pool->Clone());
+    copy.vertex_pools_.push_back(std::make_unique<VertexPoolBase>(*pool));
   for (const auto& pool : edge_pools_) {
     AnyEdge failed;
     copy.edge_pools_.push_back(pool->Clone(copy.vertex_pools_, &failed));

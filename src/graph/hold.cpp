@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 
 namespace glissade {
 

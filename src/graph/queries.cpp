@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 #include "glissade/graph/robust.h"
 
 namespace glissade {

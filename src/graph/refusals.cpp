@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 
 namespace glissade {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <unordered_set>
 
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 #include "glissade/lie/pose.h"
 #include "glissade/lie/so3.h"
 

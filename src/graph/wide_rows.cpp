@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "glissade/graph/wide_rows.h"
+#include "graph/wide_rows.h"
 
 #include "glissade/graph/robust.h"
 #include "kernels/kernels.h"

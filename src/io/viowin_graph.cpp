@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "glissade/edges/marginal_prior.h"
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/io/viowin.h"
 
 namespace glissade {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "glissade/graph/pools.h"
 #include "glissade/linear/normal_equations.h"
 #include "kernels/kernels.h"
 #include "linear/block_copy.h"

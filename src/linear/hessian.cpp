@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "glissade/graph/pools.h"
 #include "glissade/linear/normal_equations.h"
 #include "linear/free_tangents.h"
 #include "linear/twist_terms.h"

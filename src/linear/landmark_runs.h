@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "glissade/graph/pools.h"
 #include "glissade/linear/normal_equations.h"
 #include "linear/lane_weights.h"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "glissade/graph/pools.h"
 #include "glissade/graph/robust.h"
 #include "glissade/losses/cauchy.h"
 #include "glissade/losses/huber.h"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "glissade/graph/edge_pool_base.h"
+#include "glissade/graph/pools.h"
 #include "kernels/losses.h"
 #include "linear/aligned.h"
 

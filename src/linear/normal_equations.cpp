@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/linear/normal_equations.h"
+#include "glissade/graph/pools.h"
 
 #include <algorithm>
 #include <cmath>

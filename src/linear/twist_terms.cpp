@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "glissade/graph/pools.h"
 #include "glissade/lie/quaternion.h"
 #include "glissade/vertices/pose.h"
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "glissade/base/validate.h"
+#include "glissade/graph/pools.h"
 #include "glissade/graph/robust.h"
 #include "glissade/lie/so3.h"
 #include "glissade/vertices/pose.h"

@@ -9,6 +9,7 @@
 #include "glissade/base/out_of_memory.h"
 #include "glissade/base/validate.h"
 #include "glissade/edges/marginal_prior.h"
+#include "glissade/graph/pools.h"
 #include "glissade/linear/instruction_set.h"
 #include "marginal/schur_form.h"
 #include "marginal/square_root_form.h"

@@ -8,7 +8,7 @@
 
 #include "glissade/base/status.h"
 #include "glissade/edges/marginal_prior.h"
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 #include "glissade/marginal/marginalize.h"
 
 namespace glissade::internal {

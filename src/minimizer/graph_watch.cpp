@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "glissade/graph/pools.h"
+
 namespace glissade {
 
 namespace {

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "glissade/gauge/gauge_guard.h"
+#include "glissade/graph/pools.h"
 #include "glissade/linear/instruction_set.h"
 #include "minimizer/graph_watch.h"
 #include "minimizer/step_strategy.h"

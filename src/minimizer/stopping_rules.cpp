@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "glissade/graph/pools.h"
 #include "glissade/vertices/pose.h"
 
 namespace glissade {

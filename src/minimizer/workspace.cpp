@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/graph/pools.h"
 #include "glissade/minimizer/minimizer.h"
 
 #include <new>

@@ -8,6 +8,7 @@
 
 #include "glissade/base/out_of_memory.h"
 #include "glissade/base/validate.h"
+#include "glissade/graph/pools.h"
 #include "glissade/minimizer/minimizer.h"
 
 namespace glissade {
@@ -269,6 +270,31 @@ void Problem::FillStep(double* dx) const {
   }
   PickFree(w.structure, FreeOffsets(), w.equations.step().data(),
            w.equations.step().data() + w.structure.num_pose_scalars(), dx);
+}
+
+Status Problem::MoveToGauge(const Gauge& gauge, const MoveOptions& options) {
+  return glissade::MoveToGauge(this, gauge, options);
+}
+
+Result<JointCovariance> Problem::ComputeCovariance(std::span<const AnyVertex> vertices,
+                                                   const CovarianceOptions& options) {
+  return glissade::ComputeCovariance(this, vertices, options);
+}
+
+Result<Marginalization> Problem::Marginalize(std::initializer_list<AnyVertex> vertices,
+                                             const MarginalizeOptions& options) {
+  return Marginalize(std::span<const AnyVertex>(vertices.begin(), vertices.size()), options);
+}
+
+Result<MarginalPrior> Problem::ComputeMarginalPrior(std::span<const AnyVertex> vertices,
+                                                    const MarginalizeOptions& options) const {
+  return glissade::ComputeMarginalPrior(*this, vertices, options);
+}
+
+Result<Problem> Problem::Clone() const {
+  Result<Graph> copy = Graph::Clone();
+  if (!copy.ok()) return copy.status();
+  return Problem(std::move(copy).value());
 }
 
 }  // namespace glissade

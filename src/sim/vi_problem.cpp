@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/sim/vi_problem.h"
 
-#include "glissade/graph/builtin_pools.h"
-
 namespace glissade::sim {
 
 Result<ViHandles> AddToGraph(const ViProblem& problem, const ViGraphOptions& options,

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "glissade/edges/speed_bias_prior.h"
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/sim/noise_source.h"
 
 namespace glissade::sim {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "glissade/graph/pools.h"
 #include "glissade/structure/structure.h"
 
 namespace glissade {

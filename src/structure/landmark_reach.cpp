@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "glissade/graph/pools.h"
 #include "glissade/structure/structure.h"
 
 namespace glissade {

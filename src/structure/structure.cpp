@@ -6,6 +6,7 @@
 #include <atomic>
 #include <limits>
 
+#include "glissade/graph/pools.h"
 #include "glissade/vertices/inverse_depth.h"
 #include "structure/inactive.h"
 

@@ -8,6 +8,7 @@
 
 #include "api/api_walk.h"
 #include "glissade/edges/marginal_prior.h"
+#include "glissade/graph/pools.h"
 
 namespace glissade::test {
 

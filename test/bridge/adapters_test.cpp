@@ -14,7 +14,6 @@
 #include "glissade/edges/relative_pose.h"
 #include "glissade/edges/reprojection_xyz.h"
 #include "glissade/edges/se3_prior.h"
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/losses/huber.h"
 #include "glissade/problem/problem.h"
 #include "glissade/testing/check_jacobians.h"

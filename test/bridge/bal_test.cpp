@@ -10,7 +10,6 @@
 #include "common/data_dir.h"
 #include "common/sanitized.h"
 #include "glissade/bridge/ceres.h"
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/io/bal.h"
 #include "glissade/losses/huber.h"
 #include "glissade/problem/problem.h"

@@ -11,7 +11,7 @@
 
 #include "glissade/bridge/ceres.h"
 #include "glissade/edges/se3_prior.h"
-#include "glissade/graph/builtin_pools.h"
+#include "glissade/graph/pools.h"
 #include "glissade/problem/problem.h"
 #include "support/random_graph.h"
 #include "support/tilt_scene.h"

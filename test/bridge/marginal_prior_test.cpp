@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "glissade/bridge/ceres.h"
+#include "glissade/graph/pools.h"
 #include "glissade/marginal/marginalize.h"
 #include "glissade/problem/problem.h"
 #include "support/vi_walk.h"

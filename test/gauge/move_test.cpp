@@ -11,6 +11,7 @@
 #include "common/data_dir.h"
 #include "glissade/edges/marginal_prior.h"
 #include "glissade/gauge/nullspace.h"
+#include "glissade/graph/pools.h"
 #include "glissade/io/viowin.h"
 #include "support/gauge_scene.h"
 #include "support/graph_random.h"

@@ -9,6 +9,7 @@
 
 #include "glissade/cameras/pinhole.h"
 #include "glissade/edges/marginal_prior.h"
+#include "glissade/graph/pools.h"
 #include "glissade/linear/normal_equations.h"
 #include "glissade/losses/cauchy.h"
 #include "glissade/losses/huber.h"

@@ -12,8 +12,7 @@
 
 #include "common/random_states.h"
 #include "glissade/edges/reprojection_stereo.h"
-#include "glissade/graph/builtin_pools.h"
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 #include "glissade/lie/so3.h"
 #include "support/vi_walk.h"
 

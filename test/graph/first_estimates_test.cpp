@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "glissade/edges/marginal_prior.h"
-#include "glissade/graph/builtin_pools.h"
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 
 namespace glissade {
 namespace {

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "common/data_dir.h"
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/io/viowin.h"
 #include "glissade/problem/problem.h"
 

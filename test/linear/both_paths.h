@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "glissade/graph/pools.h"
 #include "glissade/linear/normal_equations.h"
 
 /// \file

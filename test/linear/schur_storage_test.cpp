@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "common/sanitized.h"
-#include "glissade/graph/builtin_vertices.h"
 #include "glissade/linear/normal_equations.h"
 #include "glissade/vertices/vector.h"
 #include "support/random_graph.h"

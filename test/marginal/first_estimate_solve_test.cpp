@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "glissade/edges/marginal_prior.h"
+#include "glissade/graph/pools.h"
 #include "glissade/marginal/marginalize.h"
 #include "glissade/problem/problem.h"
 #include "linear/both_paths.h"

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "glissade/graph/pools.h"
 #include "glissade/marginal/marginalize.h"
 #include "marginal/linear_graph.h"
 #include "support/dense_reference.h"

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "glissade/graph/pools.h"
 #include "glissade/marginal/drift.h"
 #include "marginal/linear_graph.h"
 #include "support/dense_reference.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "glissade/glissade.h"
+#include "glissade/graph/pools.h"
 #include "glissade/minimizer/minimizer.h"
 #include "support/rosenbrock.h"
 

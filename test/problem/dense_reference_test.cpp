@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "common/sanitized.h"
+#include "glissade/graph/pools.h"
 #include "glissade/linear/linear_solver.h"
 #include "glissade/problem/problem.h"
 #include "support/random_graph.h"

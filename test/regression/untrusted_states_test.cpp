@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "glissade/edges/marginal_prior.h"
+#include "glissade/graph/pools.h"
 #include "glissade/problem/problem.h"
 #include "graph/toy_graphs.h"
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "glissade/graph/pools.h"
 #include "glissade/problem/problem.h"
 #include "glissade/sim/course_scene.h"
 #include "glissade/vertices/speed_bias.h"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "glissade/graph/pools.h"
 #include "glissade/lie/so3.h"
 #include "glissade/vertices/pose.h"
 

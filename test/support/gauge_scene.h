@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/problem/problem.h"
 
 /// \file

@@ -15,7 +15,7 @@
 #include "glissade/edges/reprojection_extrinsic.h"
 #include "glissade/edges/reprojection_xyz.h"
 #include "glissade/edges/se3_prior.h"
-#include "glissade/graph/builtin_pools.h"
+#include "glissade/graph/pools.h"
 #include "glissade/losses/cauchy.h"
 #include "glissade/losses/huber.h"
 #include "glissade/losses/tukey.h"

@@ -7,7 +7,6 @@
 
 #include "glissade/edges/relative_pose.h"
 #include "glissade/edges/reprojection.h"
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/problem/problem.h"
 #include "support/graph_random.h"
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "common/random_states.h"
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/graph/graph.h"
 
 /// \file

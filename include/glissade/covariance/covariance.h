@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <vector>
@@ -84,9 +85,7 @@ class Covariance {
   /// that was not there, kSingular for one without any edge, kInvalidArgument before a Compute()
   /// that succeeded.
   [[nodiscard]] Result<JointCovariance> Joint(std::span<const AnyVertex> vertices) const;
-  [[nodiscard]] Result<JointCovariance> Joint(std::initializer_list<AnyVertex> vertices) const {
-    return Joint(std::span(vertices.begin(), vertices.size()));
-  }
+  [[nodiscard]] Result<JointCovariance> Joint(std::initializer_list<AnyVertex> vertices) const;
 
  private:
   struct Impl;

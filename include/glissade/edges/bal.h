@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "glissade/base/validate.h"
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
 #include "glissade/lie/so3.h"
 #include "glissade/vertices/camera_bal.h"
@@ -83,5 +83,6 @@ struct EdgeBal {
 };
 template <>
 inline constexpr bool internal::kLibraryEvaluates<EdgeBal> = true;
+extern template struct internal::EdgeOpsOf<EdgeBal>;
 
 }  // namespace glissade

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/edges/preintegrated_imu.h"
 #include "glissade/lie/quaternion_error.h"
 #include "glissade/lie/so3.h"
@@ -99,5 +99,7 @@ struct EdgeImu {
     return imu.Validate();
   }
 };
+
+extern template struct internal::EdgeOpsOf<EdgeImu>;
 
 }  // namespace glissade

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "glissade/base/validate.h"
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/lie/quaternion_error.h"
 #include "glissade/vertices/pose.h"
 
@@ -32,5 +32,7 @@ struct EdgePosePriorVec {
 
   [[nodiscard]] Status Validate() const { return ValidatePose(T_w_b.data, "prior pose"); }
 };
+
+extern template struct internal::EdgeOpsOf<EdgePosePriorVec>;
 
 }  // namespace glissade

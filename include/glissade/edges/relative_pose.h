@@ -3,7 +3,7 @@
 #pragma once
 
 #include "glissade/base/validate.h"
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/vertices/pose.h"
 
 namespace glissade {
@@ -47,5 +47,7 @@ struct EdgeRelativePose {
 
   [[nodiscard]] Status Validate() const { return ValidatePose(T_i_j.data, "relative pose"); }
 };
+
+extern template struct internal::EdgeOpsOf<EdgeRelativePose>;
 
 }  // namespace glissade

@@ -4,7 +4,7 @@
 
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
 #include "glissade/edges/timed_observation.h"
 #include "glissade/edges/two_view_point.h"
@@ -98,5 +98,6 @@ template <>
 inline constexpr TypeInfo kTypeInfo<EdgeReprojectionCalibration>{"EdgeReprojectionCalibration"};
 template <>
 inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionCalibration> = true;
+extern template struct internal::EdgeOpsOf<EdgeReprojectionCalibration>;
 
 }  // namespace glissade

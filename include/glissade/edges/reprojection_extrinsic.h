@@ -4,7 +4,7 @@
 
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
 #include "glissade/edges/two_view_point.h"
 
@@ -85,5 +85,6 @@ template <>
 inline constexpr TypeInfo kTypeInfo<EdgeReprojectionExtrinsic>{"EdgeReprojectionExtrinsic"};
 template <>
 inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionExtrinsic> = true;
+extern template struct internal::EdgeOpsOf<EdgeReprojectionExtrinsic>;
 
 }  // namespace glissade

@@ -6,7 +6,7 @@
 
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
 #include "glissade/edges/two_view_observation.h"
 #include "glissade/edges/two_view_point.h"
@@ -99,5 +99,6 @@ template <>
 inline constexpr TypeInfo kTypeInfo<EdgeReprojectionStereo>{"EdgeReprojectionStereo"};
 template <>
 inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionStereo> = true;
+extern template struct internal::EdgeOpsOf<EdgeReprojectionStereo>;
 
 }  // namespace glissade

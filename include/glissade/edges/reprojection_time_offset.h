@@ -4,7 +4,7 @@
 
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
 #include "glissade/edges/timed_observation.h"
 #include "glissade/edges/two_view_point.h"
@@ -95,5 +95,6 @@ template <>
 inline constexpr TypeInfo kTypeInfo<EdgeReprojectionTimeOffset>{"EdgeReprojectionTimeOffset"};
 template <>
 inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionTimeOffset> = true;
+extern template struct internal::EdgeOpsOf<EdgeReprojectionTimeOffset>;
 
 }  // namespace glissade

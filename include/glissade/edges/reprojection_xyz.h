@@ -6,7 +6,7 @@
 
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
 #include "glissade/vertices/point_xyz.h"
 #include "glissade/vertices/pose.h"
@@ -88,5 +88,6 @@ template <>
 inline constexpr TypeInfo kTypeInfo<EdgeReprojectionXYZ>{"EdgeReprojectionXYZ"};
 template <>
 inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionXYZ> = true;
+extern template struct internal::EdgeOpsOf<EdgeReprojectionXYZ>;
 
 }  // namespace glissade

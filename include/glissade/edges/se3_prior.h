@@ -3,7 +3,7 @@
 #pragma once
 
 #include "glissade/base/validate.h"
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/vertices/pose.h"
 
 namespace glissade {
@@ -30,5 +30,7 @@ struct EdgeSE3Prior {
 
   [[nodiscard]] Status Validate() const { return ValidatePose(T_w_b.data, "prior pose"); }
 };
+
+extern template struct internal::EdgeOpsOf<EdgeSE3Prior>;
 
 }  // namespace glissade

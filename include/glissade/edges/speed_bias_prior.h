@@ -3,7 +3,7 @@
 #pragma once
 
 #include "glissade/base/validate.h"
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/vertices/speed_bias.h"
 
 namespace glissade {
@@ -26,5 +26,7 @@ struct EdgeSpeedBiasPrior {
 
   [[nodiscard]] Status Validate() const { return prior.Validate(); }
 };
+
+extern template struct internal::EdgeOpsOf<EdgeSpeedBiasPrior>;
 
 }  // namespace glissade

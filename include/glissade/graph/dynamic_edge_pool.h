@@ -11,15 +11,17 @@
 
 namespace glissade {
 
+struct PooledVertex {
+  VertexPoolBase* pool;
+  std::uint32_t slot;
+};
+
 /// All dynamic edges of a graph, of whatever class.
 class DynamicEdgePool final : public EdgePoolBase {
  public:
   DynamicEdgePool();
 
-  struct Vertex {
-    VertexPoolBase* pool;
-    std::uint32_t slot;
-  };
+  using Vertex = PooledVertex;
 
   EdgeHandle<DynamicEdge> Add(std::unique_ptr<DynamicEdge> edge, std::span<const Vertex> vertices,
                               const Loss& loss, std::uint64_t stamp, std::uint32_t graph);

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
 #include <optional>
-#include <string>
 
 #include "glissade/base/matrix.h"
 #include "glissade/base/status.h"
@@ -32,32 +30,19 @@ namespace internal {
 /// Cholesky; false where Omega is not symmetric positive semi-definite.
 bool SqrtOfInformation(int n, const double* omega, double* sqrt);
 
-/// Checks and converts what the user gave to L; identity is set where L = I.
-template <int R>
-Status MakeSqrtInformation(const std::optional<SquareMatrix<R>>& sqrt_information,
-                           const std::optional<SquareMatrix<R>>& information, SquareMatrix<R>* sqrt,
-                           bool* identity) {
-  *sqrt = SquareMatrix<R>::Identity();
-  *identity = true;
-  if (sqrt_information && information) {
-    return {StatusCode::kInvalidArgument, "give information or sqrt_information, not both"};
-  }
-  if (sqrt_information) {
-    if (!sqrt_information->allFinite()) {
-      return {StatusCode::kNotFinite, "square-root information is not finite"};
-    }
-    *sqrt = *sqrt_information;
-  } else if (information) {
-    if (!information->allFinite()) {
-      return {StatusCode::kNotFinite, "information is not finite"};
-    }
-    if (!SqrtOfInformation(R, information->data(), sqrt->data())) {
-      return {StatusCode::kNotPositive, "information is not symmetric positive semi-definite"};
-    }
-  }
-  *identity = *sqrt == SquareMatrix<R>::Identity();
-  return {};
+/// What the user gave as a weight: rows x rows, row-major, or null.
+struct EdgeWeight {
+  const double* sqrt_information = nullptr;
+  const double* information = nullptr;
+};
+template <class E>
+EdgeWeight WeightOf(const EdgeOptions<E>& options) {
+  return {options.sqrt_information ? options.sqrt_information->data() : nullptr,
+          options.information ? options.information->data() : nullptr};
 }
+
+/// Checks and converts it to L (rows x rows); identity is set where L = I.
+Status MakeSqrtInformation(int rows, const EdgeWeight& weight, double* sqrt, bool* identity);
 
 }  // namespace internal
 }  // namespace glissade

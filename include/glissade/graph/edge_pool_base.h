@@ -6,9 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "glissade/edges/concept.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lane_run.h"
-#include "glissade/edges/two_view_observation.h"
 #include "glissade/graph/edge_lists.h"
 #include "glissade/graph/edge_plan.h"
 #include "glissade/graph/slot_map.h"
@@ -17,16 +16,13 @@
 
 namespace glissade {
 
-/// More vertices than that make a dynamic edge.
-inline constexpr int kMaxTypedArity = 16;
-
 /// All edges of one type (or all dynamic edges), as the modules below the graph see them.
 class EdgePoolBase {
  public:
   /// arity: of all its edges, 0 if it differs.
   EdgePoolBase(const TypeInfo* type, const EdgeTraits& traits, int arity)
       : type_(type), traits_(&traits), evaluate_lanes_(LibraryEvaluator(type)), lists_(arity) {}
-  virtual ~EdgePoolBase() = default;
+  virtual ~EdgePoolBase();
 
   [[nodiscard]] const TypeInfo* type() const { return type_; }
   [[nodiscard]] const EdgeTraits& traits() const { return *traits_; }
@@ -133,14 +129,8 @@ class EdgePoolBase {
       const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools, AnyEdge* failed) const = 0;
 
  protected:
-  std::uint32_t FindOrAddLoss(const Loss& loss) {
-    // Graphs have a handful of distinct losses; the last one added is the likeliest.
-    for (std::size_t k = losses_.size(); k-- > 0;) {
-      if (losses_[k] == loss) return static_cast<std::uint32_t>(k);
-    }
-    losses_.push_back(loss);
-    return static_cast<std::uint32_t>(losses_.size() - 1);
-  }
+  EdgePoolBase(const EdgePoolBase&) = default;
+  std::uint32_t FindOrAddLoss(const Loss& loss);
 
   static EvaluateLanes LibraryEvaluator(const TypeInfo* type);
   int EvaluateOneByOne(const LaneRun& run, const LaneValues& values) const;

@@ -10,18 +10,25 @@
 
 #include "glissade/base/status.h"
 #include "glissade/edges/diagnostics.h"
+#include "glissade/edges/edge_ops.h"
 #include "glissade/edges/evaluate_in_packs.h"
-#include "glissade/graph/dynamic_edge_pool.h"
 #include "glissade/graph/edge_options.h"
-#include "glissade/graph/edge_pool.h"
 #include "glissade/graph/first_estimates.h"
 #include "glissade/graph/fix.h"
 #include "glissade/graph/hold.h"
 #include "glissade/graph/snapshot.h"
-#include "glissade/graph/vertex_pool.h"
 #include "glissade/vertices/diagnostics.h"
 
 namespace glissade {
+
+// How a graph keeps what it is given: graph/pools.h, for the modules below.
+class DynamicEdge;
+class EdgePool;
+class EdgePoolBase;
+class VertexPoolBase;
+template <VertexType V>
+class VertexPool;
+struct PooledVertex;
 
 /// Observations that do not fit: what GetOutlierEdges() looks for.
 struct OutlierOptions {
@@ -50,6 +57,7 @@ class Graph {
   /// What was moved from is empty, and can be used again.
   Graph(Graph&& other) noexcept;
   Graph& operator=(Graph&& other) noexcept;
+  ~Graph();
   Graph(const Graph&) = delete;
   Graph& operator=(const Graph&) = delete;
 
@@ -242,14 +250,16 @@ class Graph {
   }
   [[nodiscard]] VertexPoolBase* PoolOf(const TypeInfo* type) const;
   [[nodiscard]] EdgePoolBase* EdgePoolOf(const TypeInfo* type) const;
+  /// Null (or as null) where there is none.
   template <VertexType V>
-  VertexPool<V>* Pool() const {
-    return static_cast<VertexPool<V>*>(PoolOf(&kTypeInfo<V>));
+  VertexPool<V> Pool() const {
+    return PoolOf(&kTypeInfo<V>);
   }
   template <EdgeType E>
-  EdgePool<E>* Pool() const {
-    return static_cast<EdgePool<E>*>(EdgePoolOf(&kTypeInfo<E>));
+  EdgePool* Pool() const {
+    return TypedEdgePoolOf(&kTypeInfo<E>);
   }
+  [[nodiscard]] EdgePool* TypedEdgePoolOf(const TypeInfo* type) const;
 
  private:
   struct VertexSite {
@@ -289,17 +299,53 @@ class Graph {
   void RestoreFirstEstimates(const Snapshot& snapshot);
   void DropGaugeReference(AnyVertex vertex);
   void Reanchor(AnyVertex vertex);
-  template <VertexType V>
-  Status CheckVertex(const V& value) const;
-  template <EdgeType E>
-  Status CheckEdge(const E& edge, const EdgeVertexHandles<E>& vertices) const;
-  template <EdgeType E>
-  static Status CheckOptions(const EdgeOptions<E>& options, SquareMatrix<E::kResidualDim>* sqrt,
-                             bool* identity);
-  template <VertexType V>
-  VertexPool<V>& MakePool();
-  template <EdgeType E>
-  EdgePool<E>& MakeEdgePool();
+  /// Vertices of one type on their way into the graph, as all that is not a template sees them.
+  struct NewVertices {
+    const VertexOps* ops;
+    const void* values;
+    std::size_t count;
+    void* handles;
+    void (*put_handle)(void* handles, std::size_t k, const AnyVertex& handle);
+  };
+  template <class V>
+  static NewVertices NewVerticesOf(std::span<const V> values, VertexHandle<V>* handles);
+  [[nodiscard]] static Status CheckVertex(const VertexOps& ops, const void* value);
+  Status AddNewVertex(const NewVertices& vertex);
+  Status AddNewVertices(const NewVertices& vertices);
+  Status SetValue(AnyVertex vertex, const void* value);
+  /// Null for a dead handle.
+  [[nodiscard]] const void* FindValue(AnyVertex vertex) const;
+  [[nodiscard]] const void* FindValue(AnyEdge edge) const;
+  [[nodiscard]] int NumVerticesOf(const TypeInfo* type) const;
+  [[nodiscard]] int NumEdgesOf(const TypeInfo* type) const;
+  /// The next one that is alive, from *index on, which is moved behind it; null at the end.
+  const void* NextVertex(const TypeInfo* type, int* index, AnyVertex* handle) const;
+  /// vertices: of the edge; may be null.
+  const void* NextEdge(const TypeInfo* type, int* index, AnyEdge* handle,
+                       AnyVertex* vertices) const;
+  /// Edges of one type on their way into the graph, as all that is not a template sees them.
+  struct NewEdges {
+    const EdgeOps* ops;
+    EvaluateLanes evaluate_lanes;
+    const void* edges;
+    std::size_t count;
+    internal::EdgeWeight weight;
+    const Loss* loss;
+    const void* vertices;
+    void (*vertices_of)(const void* vertices, std::size_t k, AnyVertex* out);
+    void* handles;
+    void (*put_handle)(void* handles, std::size_t k, const AnyEdge& handle);
+  };
+  template <EdgeType E, class Unit, class Handles>
+  static NewEdges NewEdgesOf(const EdgeOptions<E>& options, const Handles* vertices,
+                             EdgeHandle<E>* handles);
+  Status AddNewEdge(const NewEdges& edge);
+  Status AddNewEdges(const NewEdges& edges);
+  [[nodiscard]] Status CheckEdge(const EdgeOps& ops, const void* edge,
+                                 const AnyVertex* vertices) const;
+  VertexPoolBase& MakePool(const VertexOps& ops);
+  EdgePool& MakeEdgePool(const EdgeOps& ops);
+  Status SetWeight(AnyEdge edge, const internal::EdgeWeight& weight);
 
   VertexPools vertex_pools_;
   EdgePools edge_pools_;
@@ -308,7 +354,8 @@ class Graph {
   std::vector<GaugeReference> gauge_references_;
   // Of AddEdge, kept so that adding a dynamic edge allocates nothing by itself.
   std::vector<const VertexOps*> added_ops_;
-  std::vector<DynamicEdgePool::Vertex> added_vertices_;
+  std::vector<PooledVertex> added_vertices_;
+  std::vector<double> added_weight_;
   FirstEstimates first_estimates_ = FirstEstimates::kFull;
   std::uint64_t structure_version_ = 1;
   std::uint64_t weights_version_ = 1;

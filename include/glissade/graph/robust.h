@@ -34,17 +34,18 @@ struct RobustScale {
   }
 };
 
-/// J (R x C, row-major) <- the corrected Jacobian; r is not yet scaled.
-template <int R, int C>
-void CorrectJacobian(const RobustScale& scale, const double* r, double* J) {
-  for (int c = 0; c < C; ++c) {
+/// J (rows x cols, row-major) <- the corrected Jacobian; r is not yet scaled.
+inline void CorrectJacobian(const RobustScale& scale, int rows, int cols, const double* r,
+                            double* J) {
+  for (int c = 0; c < cols; ++c) {
     double projection = 0.0;
     if (scale.alpha_over_s != 0.0) {
-      for (int k = 0; k < R; ++k)
-        projection += r[k] * J[k * C + c];
+      for (int k = 0; k < rows; ++k)
+        projection += r[k] * J[k * cols + c];
     }
-    for (int k = 0; k < R; ++k) {
-      J[k * C + c] = scale.jacobian_scale * (J[k * C + c] - scale.alpha_over_s * projection * r[k]);
+    for (int k = 0; k < rows; ++k) {
+      double& x = J[k * cols + c];
+      x = scale.jacobian_scale * (x - scale.alpha_over_s * projection * r[k]);
     }
   }
 }

@@ -4,22 +4,29 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
-#include "glissade/graph/first_estimates.h"
+#include "glissade/base/value_array.h"
 #include "glissade/graph/fix.h"
+#include "glissade/graph/linearization_table.h"
 #include "glissade/graph/slot_map.h"
 #include "glissade/vertices/concept.h"
 
 namespace glissade {
 
-/// All vertices of one type, contiguous. This base gives access to states as raw doubles; values as
-/// themselves are in VertexPool<V>.
+/// All vertices of one type, contiguous. It knows the type by its VertexOps and gives access to
+/// states as raw doubles; values as themselves are seen through VertexPool<V>.
 class VertexPoolBase {
  public:
-  explicit VertexPoolBase(const VertexOps& ops) : ops_(&ops), first_estimates_(ops.ambient_dim) {}
-  virtual ~VertexPoolBase() = default;
+  explicit VertexPoolBase(const VertexOps& ops);
+  VertexPoolBase(const VertexPoolBase& other);
+  VertexPoolBase& operator=(const VertexPoolBase&) = delete;
+  ~VertexPoolBase();
+
+  /// stamp, graph: see SlotMap. Reserve() comes first, and all that can run out of memory with it.
+  AnyVertex Add(const void* vertex, std::uint64_t stamp, std::uint32_t graph);
+  /// Room for `count` more: adding them will not allocate.
+  void Reserve(std::size_t count);
 
   [[nodiscard]] const VertexOps& ops() const { return *ops_; }
   [[nodiscard]] const internal::SlotMap& slots() const { return slots_; }
@@ -58,105 +65,64 @@ class VertexPoolBase {
     slots_.Remove(slot);
   }
 
+  [[nodiscard]] const void* Value(int index) const {
+    return values_.At(static_cast<std::size_t>(index));
+  }
+  [[nodiscard]] void* Value(int index) { return values_.At(static_cast<std::size_t>(index)); }
+  void Assign(int index, const void* vertex);
+
   /// x(index) <- x(index) boxplus delta for count vertices; delta of the k-th is step + offset[k],
   /// vertices with offset[k] < 0 stay.
-  virtual void Plus(const double* step, const std::int32_t* offset, int count) = 0;
+  void Plus(const double* step, const std::int32_t* offset, int count) {
+    ops_->plus_all(values_.data(), step, offset, count);
+  }
   /// Keeps a copy of all states / goes back to it.
-  virtual void Save() = 0;
-  virtual void Restore() = 0;
-  virtual void Compact() = 0;
-  [[nodiscard]] virtual std::unique_ptr<VertexPoolBase> Clone() const = 0;
+  void Save() { saved_.CopyFrom(values_); }
+  void Restore() {
+    values_.CopyFrom(saved_);
+    Rebase();
+  }
+  void Compact();
 
- protected:
+ private:
+  void Rebase();
+
   const VertexOps* ops_;
   int id_ = 0;
   internal::SlotMap slots_;
   std::vector<Fix> fix_;
   std::vector<std::uint8_t> eliminated_;
   LinearizationTable first_estimates_;
-  std::byte* base_ = nullptr;
+  internal::ValueArray values_;
+  internal::ValueArray saved_;
+  std::byte* base_ = nullptr;  // state of the first
   std::size_t stride_ = 0;
 };
 
+/// The pool of V, which may be none, with values as themselves. Copied like a pointer.
 template <VertexType V>
-class VertexPool final : public VertexPoolBase {
+class VertexPool {
  public:
-  // What adding needs is defined below and not inline: with pools of built-in types compiled in the
-  // library (builtin_vertices.h), a consumer's unit then compiles nothing of them.
-  VertexPool();
-  VertexPool(const VertexPool& other) : VertexPoolBase(other), values_(other.values_) { Rebase(); }
+  VertexPool(VertexPoolBase* base = nullptr) : base_(base) {}  // NOLINT: implicit, it is one
 
-  /// stamp, graph: see SlotMap. Reserve() comes first, and all that can run out of memory with it.
-  VertexHandle<V> Add(const V& value, std::uint64_t stamp, std::uint32_t graph);
-  /// Room for `count` more: adding them will not allocate.
-  void Reserve(std::size_t count);
+  [[nodiscard]] const V& At(int index) const { return *static_cast<const V*>(base_->Value(index)); }
+  [[nodiscard]] V& At(int index) { return *static_cast<V*>(base_->Value(index)); }
 
-  [[nodiscard]] const V& At(int index) const { return values_[static_cast<std::size_t>(index)]; }
-  [[nodiscard]] V& At(int index) { return values_[static_cast<std::size_t>(index)]; }
-  [[nodiscard]] const V* values() const { return values_.data(); }
-
-  void Plus(const double* step, const std::int32_t* offset, int count) override {
-    for (int k = 0; k < count; ++k) {
-      if (offset[k] >= 0) values_[static_cast<std::size_t>(k)].Plus(step + offset[k]);
-    }
-  }
-  void Save() override { saved_ = values_; }
-  void Restore() override { values_ = saved_; }
-
-  void Compact() override {
-    if (slots_.NumAlive() == size()) return;
-    slots_.Compact([this](int from, int to) {
-      const auto f = static_cast<std::size_t>(from), t = static_cast<std::size_t>(to);
-      values_[t] = values_[f];
-      fix_[t] = fix_[f];
-      eliminated_[t] = eliminated_[f];
-      first_estimates_.Move(from, to);
-    });
-    const auto n = static_cast<std::size_t>(slots_.Size());
-    values_.resize(n);
-    fix_.resize(n);
-    eliminated_.resize(n);
-    first_estimates_.Resize(slots_.Size());
-    Rebase();
+  [[nodiscard]] int id() const { return base_->id(); }
+  [[nodiscard]] int size() const { return base_->size(); }
+  [[nodiscard]] const internal::SlotMap& slots() const { return base_->slots(); }
+  [[nodiscard]] double* Data(int index) const { return base_->Data(index); }
+  [[nodiscard]] AnyVertex HandleAt(int index) const { return base_->HandleAt(index); }
+  [[nodiscard]] const LinearizationTable& first_estimates() const {
+    return base_->first_estimates();
   }
 
-  [[nodiscard]] std::unique_ptr<VertexPoolBase> Clone() const override {
-    return std::make_unique<VertexPool>(*this);
-  }
+  VertexPool operator*() const { return *this; }
+  const VertexPool* operator->() const { return this; }
+  friend bool operator==(const VertexPool& pool, std::nullptr_t) { return pool.base_ == nullptr; }
 
  private:
-  void Rebase() {
-    base_ = values_.empty() ? nullptr : reinterpret_cast<std::byte*>(values_.front().Data());
-  }
-
-  std::vector<V> values_;
-  std::vector<V> saved_;
+  VertexPoolBase* base_;
 };
-
-template <VertexType V>
-VertexPool<V>::VertexPool() : VertexPoolBase(kVertexOps<V>) {
-  stride_ = sizeof(V);
-}
-
-template <VertexType V>
-VertexHandle<V> VertexPool<V>::Add(const V& value, std::uint64_t stamp, std::uint32_t graph) {
-  values_.push_back(value);
-  fix_.push_back(Fix::kFree);
-  eliminated_.push_back(kIsEliminated<V> ? 1 : 0);
-  const auto address = slots_.Add(stamp, graph);
-  first_estimates_.Resize(slots_.Size());
-  Rebase();
-  return {address.slot, address.generation, graph};
-}
-
-template <VertexType V>
-void VertexPool<V>::Reserve(std::size_t count) {
-  slots_.MakeRoom(count);
-  internal::MakeRoomIn(&values_, count);
-  Rebase();
-  internal::MakeRoomIn(&fix_, count);
-  internal::MakeRoomIn(&eliminated_, count);
-  first_estimates_.MakeRoom(count);
-}
 
 }  // namespace glissade

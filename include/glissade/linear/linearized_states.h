@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 
 namespace glissade {
 

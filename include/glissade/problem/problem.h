@@ -6,16 +6,13 @@
 #include <initializer_list>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "glissade/covariance/covariance.h"
 #include "glissade/gauge/move.h"
 #include "glissade/gauge/nullspace.h"
-#include "glissade/graph/builtin_vertices.h"
 #include "glissade/graph/graph.h"
 #include "glissade/marginal/marginalize.h"
-#include "glissade/marginal/schur_complement.h"
 #include "glissade/minimizer/options.h"
 #include "glissade/minimizer/summary.h"
 
@@ -47,36 +44,24 @@ class Problem : public Graph {
   /// free of a gauge, else from a fresh one, for which analysis and storage are kept.
   Result<NullspaceReport> CheckNullspace(const NullspaceOptions& options = {});
   /// Slides the scene along its orbit until the gauge's anchor is at its reference (gauge/move.h).
-  Status MoveToGauge(const Gauge& gauge, const MoveOptions& options = {}) {
-    return glissade::MoveToGauge(this, gauge, options);
-  }
+  Status MoveToGauge(const Gauge& gauge, const MoveOptions& options = {});
   /// The joint covariance of some vertices (covariance/covariance.h; a Covariance object answers
   /// further questions without another factorization).
   [[nodiscard]] Result<JointCovariance> ComputeCovariance(std::span<const AnyVertex> vertices,
-                                                          const CovarianceOptions& options = {}) {
-    return glissade::ComputeCovariance(this, vertices, options);
-  }
+                                                          const CovarianceOptions& options = {});
 
   /// Takes vertices and the edges that touch them out of the graph and puts a marginal prior in
   /// their place; glissade::Marginalize (marginal/marginalize.h) with storage that is kept.
   Result<Marginalization> Marginalize(std::span<const AnyVertex> vertices,
                                       const MarginalizeOptions& options = {});
   Result<Marginalization> Marginalize(std::initializer_list<AnyVertex> vertices,
-                                      const MarginalizeOptions& options = {}) {
-    return Marginalize(std::span<const AnyVertex>(vertices.begin(), vertices.size()), options);
-  }
+                                      const MarginalizeOptions& options = {});
   /// That prior alone; the graph is not changed.
   [[nodiscard]] Result<MarginalPrior> ComputeMarginalPrior(
-      std::span<const AnyVertex> vertices, const MarginalizeOptions& options = {}) const {
-    return glissade::ComputeMarginalPrior(*this, vertices, options);
-  }
+      std::span<const AnyVertex> vertices, const MarginalizeOptions& options = {}) const;
 
   /// A deep copy of the graph; as Graph::Clone() otherwise.
-  [[nodiscard]] Result<Problem> Clone() const {
-    Result<Graph> copy = Graph::Clone();
-    if (!copy.ok()) return copy.status();
-    return Problem(std::move(copy).value());
-  }
+  [[nodiscard]] Result<Problem> Clone() const;
 
   // --- The course's step API: for teaching and tests --------------------------------------------
   // Steps in the wrong order are refused, and so are steps after a change of structure, which makes

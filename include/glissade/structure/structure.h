@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "glissade/base/status.h"
-#include "glissade/graph/graph.h"
+#include "glissade/graph/pools.h"
 #include "glissade/structure/block_index.h"
 #include "glissade/structure/landmark_plan.h"
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "glissade/base/validate.h"
+#include "glissade/vertices/concept.h"
 
 namespace glissade {
 
@@ -30,5 +31,7 @@ struct VertexCameraBal {
   }
   [[nodiscard]] Status Validate() const { return ValidateFinite(data, 9, "BAL camera"); }
 };
+
+extern template struct internal::VertexOpsOf<VertexCameraBal>;
 
 }  // namespace glissade

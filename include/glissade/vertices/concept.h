@@ -3,11 +3,14 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 #include "glissade/base/handle.h"
 #include "glissade/base/status.h"
 #include "glissade/base/validate.h"
+#include "glissade/base/value_array.h"
 
 /// \file
 /// What a type must offer to be a vertex of the graph. A vertex is a plain value:
@@ -111,6 +114,14 @@ struct VertexOps {
   void (*minus_jacobian)(const double* x, const double* x0, double* D);
   /// Refuses a state that is not finite, or that the type's Validate() refuses.
   Status (*validate)(const double* x);
+
+  // Of values, as pools keep them.
+  internal::ValueOps value;
+  const double* (*data)(const void* vertex);  ///< Data()
+  /// Validate(); null where the type has none.
+  Status (*validate_value)(const void* vertex);
+  /// vertex k of `count` <- vertex k boxplus step[offset[k]], where that is not negative.
+  void (*plus_all)(void* vertices, const double* step, const std::int32_t* offset, int count);
 };
 
 namespace internal {
@@ -140,41 +151,88 @@ concept VertexHasMinusJacobian = requires {
   static_cast<void (V::*)(const V&, double*) const>(&V::MinusJacobian);
 };
 
-using MinusJacobianFunction = void (*)(const double* x, const double* x0, double* D);
-template <VertexType V>
-constexpr MinusJacobianFunction MinusJacobianOf() {
-  if constexpr (VertexHasMinusJacobian<V>) {
-    return [](const double* x, const double* x0, double* D) {
-      VertexFromData<V>(x).MinusJacobian(VertexFromData<V>(x0), D);
-    };
-  } else {
-    return nullptr;
+/// The VertexOps of V. Those of the library's own types are compiled in the library alone: their
+/// headers declare them `extern template`.
+template <class V>
+struct VertexOpsOf {
+  static const VertexOps kOps;
+
+  static void Plus(const double* x, const double* delta, double* out);
+  static void Minus(const double* x, const double* x0, double* delta);
+  static Status Validate(const double* x);
+  static const double* Data(const void* vertex);
+  static void PlusAll(void* vertices, const double* step, const std::int32_t* offset, int count);
+  static constexpr VertexOps Make();
+};
+
+template <class V>
+void VertexOpsOf<V>::Plus(const double* x, const double* delta, double* out) {
+  V v = VertexFromData<V>(x);
+  v.Plus(delta);
+  std::memcpy(out, v.Data(), sizeof(double) * V::kAmbientDim);
+}
+
+template <class V>
+void VertexOpsOf<V>::Minus(const double* x, const double* x0, double* delta) {
+  VertexFromData<V>(x).Minus(VertexFromData<V>(x0), delta);
+}
+
+template <class V>
+Status VertexOpsOf<V>::Validate(const double* x) {
+  if (Status s = ValidateFinite(x, V::kAmbientDim, kTypeInfo<V>.name); !s.ok()) return s;
+  return ValidateIfPossible(VertexFromData<V>(x));
+}
+
+template <class V>
+const double* VertexOpsOf<V>::Data(const void* vertex) {
+  return static_cast<const V*>(vertex)->Data();
+}
+
+template <class V>
+void VertexOpsOf<V>::PlusAll(void* vertices, const double* step, const std::int32_t* offset,
+                             int count) {
+  for (int k = 0; k < count; ++k) {
+    if (offset[k] >= 0) static_cast<V*>(vertices)[k].Plus(step + offset[k]);
   }
 }
+
+template <class V>
+constexpr VertexOps VertexOpsOf<V>::Make() {
+  VertexOps ops{};
+  ops.type = &kTypeInfo<V>;
+  ops.ambient_dim = V::kAmbientDim;
+  ops.tangent_dim = V::kTangentDim;
+  ops.eliminated = kIsEliminated<V>;
+  ops.first_estimate_size = kFirstEstimateSizeOf<V>;
+  ops.additive = kIsAdditive<V>;
+  ops.plus = &Plus;
+  ops.minus = &Minus;
+  if constexpr (VertexHasMinusJacobian<V>) {
+    ops.minus_jacobian = [](const double* x, const double* x0, double* D) {
+      VertexFromData<V>(x).MinusJacobian(VertexFromData<V>(x0), D);
+    };
+  }
+  ops.validate = &Validate;
+  ops.value = ValueOpsOf<V>();
+  ops.data = &Data;
+  if constexpr (requires(const V& v) {
+                  { v.Validate() } -> std::same_as<Status>;
+                }) {
+    ops.validate_value = [](const void* vertex) -> Status {
+      return static_cast<const V*>(vertex)->Validate();
+    };
+  }
+  ops.plus_all = &PlusAll;
+  return ops;
+}
+
+template <class V>
+constinit const VertexOps VertexOpsOf<V>::kOps = Make();
+
 }  // namespace internal
 
 template <VertexType V>
-inline constexpr VertexOps kVertexOps{
-    &kTypeInfo<V>,
-    V::kAmbientDim,
-    V::kTangentDim,
-    kIsEliminated<V>,
-    kFirstEstimateSizeOf<V>,
-    kIsAdditive<V>,
-    [](const double* x, const double* delta, double* out) {
-      V v = internal::VertexFromData<V>(x);
-      v.Plus(delta);
-      std::memcpy(out, v.Data(), sizeof(double) * V::kAmbientDim);
-    },
-    [](const double* x, const double* x0, double* delta) {
-      internal::VertexFromData<V>(x).Minus(internal::VertexFromData<V>(x0), delta);
-    },
-    internal::MinusJacobianOf<V>(),
-    [](const double* x) -> Status {
-      if (Status s = ValidateFinite(x, V::kAmbientDim, kTypeInfo<V>.name); !s.ok()) return s;
-      return internal::ValidateIfPossible(internal::VertexFromData<V>(x));
-    },
-};
+inline constexpr const VertexOps& kVertexOps = internal::VertexOpsOf<V>::kOps;
 
 /// A vertex as a dynamic edge sees it: its type and where its state lies (ambient_dim doubles).
 struct VertexRef {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "glissade/base/validate.h"
+#include "glissade/vertices/concept.h"
 
 namespace glissade {
 
@@ -22,5 +23,7 @@ struct VertexInverseDepth {
   void Minus(const VertexInverseDepth& x0, double* delta) const { delta[0] = rho - x0.rho; }
   [[nodiscard]] Status Validate() const { return ValidateFinite(&rho, 1, "inverse depth"); }
 };
+
+extern template struct internal::VertexOpsOf<VertexInverseDepth>;
 
 }  // namespace glissade

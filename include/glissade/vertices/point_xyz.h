@@ -4,6 +4,7 @@
 
 #include "glissade/base/matrix.h"
 #include "glissade/base/validate.h"
+#include "glissade/vertices/concept.h"
 
 namespace glissade {
 
@@ -36,5 +37,7 @@ struct VertexPointXYZ {
   }
   [[nodiscard]] Status Validate() const { return ValidateFinite(data, 3, "point"); }
 };
+
+extern template struct internal::VertexOpsOf<VertexPointXYZ>;
 
 }  // namespace glissade

@@ -5,6 +5,7 @@
 #include "glissade/base/validate.h"
 #include "glissade/lie/pose.h"
 #include "glissade/lie/so3.h"
+#include "glissade/vertices/concept.h"
 
 namespace glissade {
 
@@ -51,5 +52,7 @@ struct VertexPose {
 
   [[nodiscard]] Status Validate() const { return ValidatePose(pose.data, "pose"); }
 };
+
+extern template struct internal::VertexOpsOf<VertexPose>;
 
 }  // namespace glissade

@@ -4,6 +4,7 @@
 
 #include "glissade/base/matrix.h"
 #include "glissade/base/validate.h"
+#include "glissade/vertices/concept.h"
 
 namespace glissade {
 
@@ -40,5 +41,7 @@ struct VertexSpeedBias {
   }
   [[nodiscard]] Status Validate() const { return ValidateFinite(data, 9, "speed and biases"); }
 };
+
+extern template struct internal::VertexOpsOf<VertexSpeedBias>;
 
 }  // namespace glissade

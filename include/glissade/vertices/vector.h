@@ -5,6 +5,7 @@
 #include <array>
 
 #include "glissade/base/validate.h"
+#include "glissade/vertices/concept.h"
 
 namespace glissade {
 
@@ -30,5 +31,10 @@ struct VertexVector {
   }
   [[nodiscard]] Status Validate() const { return ValidateFinite(Data(), N, "vector"); }
 };
+
+extern template struct internal::VertexOpsOf<VertexVector<1>>;
+extern template struct internal::VertexOpsOf<VertexVector<2>>;
+extern template struct internal::VertexOpsOf<VertexVector<3>>;
+extern template struct internal::VertexOpsOf<VertexVector<4>>;
 
 }  // namespace glissade
