@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "api/nasty_values.h"
+#include "glissade/graph/pools.h"
 
 namespace glissade::test {
 

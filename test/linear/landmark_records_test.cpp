@@ -13,6 +13,7 @@
 
 #include "common/sanitized.h"
 #include "glissade/glissade.h"
+#include "glissade/graph/pools.h"
 #include "glissade/linear/normal_equations.h"
 #include "support/dense_reference.h"
 #include "support/dynamic_edges.h"

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "glissade/graph/pools.h"
+
 namespace glissade::test {
 
 namespace {
