@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "glissade/graph/builtin_pools.h"
 #include "glissade/io/bal.h"
 #include "glissade/linear/instruction_set.h"
 #include "glissade/problem/problem.h"

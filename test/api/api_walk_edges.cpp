@@ -12,7 +12,7 @@ namespace glissade::test {
 
 template <EdgeType E>
 void ApiWalk::AddEdge(const E& edge, const EdgeVertexHandles<E>& on) {
-  log_.push_back("AddEdge " + std::string(kTypeInfo<E>.name));
+  log_.push_back(std::string("AddEdge ").append(kTypeInfo<E>.name));
   std::vector<AnyVertex> handles;
   std::apply([&](const auto&... handle) { (handles.push_back(handle), ...); }, on);
   EdgeOptions<E> options;
