@@ -19,6 +19,7 @@
 #include "common/program.h"
 #include "common/solver_options.h"
 #include "common/version.h"
+#include "glissade/marginal/schur_complement.h"
 #include "glissade/problem/problem.h"
 #include "glissade/sim/vi_window.h"
 #include "glissade/sim/vi_world.h"

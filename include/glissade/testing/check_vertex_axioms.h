@@ -121,7 +121,8 @@ class VertexChecker {
     const double error = difference / scale_;
     if (!(error <= result_.worst_error)) result_.worst_error = error;
     if (!(error <= options_.tolerance)) {
-      Fail(std::string(axiom) + " does not hold, relative error " + FormatNumber(error));
+      Fail(
+          std::string(axiom).append(" does not hold, relative error ").append(FormatNumber(error)));
     }
   }
 
