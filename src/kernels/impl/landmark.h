@@ -105,7 +105,7 @@ GLISSADE_INLINE void LoadRowsOfW(const double* w, vd* column) {
   } else {
 #pragma GCC unroll 4
     for (int k = 0; k < kDl; ++k)
-      column[k] = LoadStrided(w + k, kDl, kW);
+      column[k] = LoadStrided(w + k, kDl);
   }
 }
 

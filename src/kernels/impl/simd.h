@@ -94,17 +94,16 @@ GLISSADE_INLINE vd LoadPartial(const double* p, int count) {
 #endif
 }
 
-/// `count` (1 to kW) doubles, `stride` apart; the last one again in the other lanes. Put together
-/// in registers: a vector that was stored as scalars a moment ago would wait for the last of them
-/// to reach the cache.
-GLISSADE_INLINE vd LoadStrided(const double* p, Index stride, int count) {
-  const auto at = [&](int i) { return p[(i < count ? i : count - 1) * stride]; };
+/// kW doubles, `stride` apart. Put together in registers: a vector that was stored as scalars a
+/// moment ago would wait for the last of them to reach the cache.
+GLISSADE_INLINE vd LoadStrided(const double* p, Index stride) {
 #if GLISSADE_KERNEL_WIDTH == 8
-  return vd{p[0], at(1), at(2), at(3), at(4), at(5), at(6), at(7)};
+  return vd{p[0],          p[stride],     p[2 * stride], p[3 * stride],
+            p[4 * stride], p[5 * stride], p[6 * stride], p[7 * stride]};
 #elif GLISSADE_KERNEL_WIDTH == 4
-  return vd{p[0], at(1), at(2), at(3)};
+  return vd{p[0], p[stride], p[2 * stride], p[3 * stride]};
 #else
-  return vd{p[0], at(1)};
+  return vd{p[0], p[stride]};
 #endif
 }
 
@@ -132,25 +131,6 @@ GLISSADE_INLINE void StorePartial(double* p, vd v, int count) {
     p[0] = v[0];
   }
 #endif
-}
-
-/// LoadPartial with the count known to the compiler.
-template <int kCount>
-GLISSADE_INLINE vd LoadFirst(const double* p) {
-#if GLISSADE_KERNEL_WIDTH == 4
-  if (kCount == 1) return vd{p[0], 0.0, 0.0, 0.0};
-  if (kCount == 2) return vd{p[0], p[1], 0.0, 0.0};
-#endif
-  return kCount == kW ? Load(p) : LoadPartial(p, kCount);
-}
-
-template <int kCount>
-GLISSADE_INLINE void StoreFirst(double* p, vd v) {
-  if (kCount == kW) {
-    Store(p, v);
-  } else {
-    StorePartial(p, v, kCount);
-  }
 }
 
 GLISSADE_INLINE vd Sqrt(vd x) {

@@ -40,27 +40,38 @@ GLISSADE_INLINE void LoadRows(const double* p, int last, vd (&out)[R]) {
   }
 }
 
-/// t = sum_k a(:,k) b(:,k)'. b points at kNr values for k = 0; the next k are ldb further.
-template <int R, bool kPartial>
-GLISSADE_INLINE void TileProduct(int k, const double* a, Index lda, const double* b, Index ldb,
-                                 int last, Tile<R>& t) {
+template <int R>
+GLISSADE_INLINE void ClearTile(Tile<R>& t) {
 #pragma GCC unroll 8
   for (int c = 0; c < kNr; ++c) {
 #pragma GCC unroll 4
     for (int r = 0; r < R; ++r)
       t.v[c][r] = Zero();
   }
+}
+
+/// t += x b' in the first kRows vectors of rows; b: kNr numbers.
+template <int kRows, int R>
+GLISSADE_INLINE void AddOuter(const vd (&x)[kRows], const double* b, Tile<R>& t) {
+#pragma GCC unroll 8
+  for (int c = 0; c < kNr; ++c) {
+    const vd y = Splat(b[c]);
+#pragma GCC unroll 4
+    for (int r = 0; r < kRows; ++r)
+      t.v[c][r] += x[r] * y;
+  }
+}
+
+/// t = sum_k a(:,k) b(:,k)'. b points at kNr values for k = 0; the next k are ldb further.
+template <int R, bool kPartial>
+GLISSADE_INLINE void TileProduct(int k, const double* a, Index lda, const double* b, Index ldb,
+                                 int last, Tile<R>& t) {
+  ClearTile(t);
 #pragma GCC unroll 1
   for (int i = 0; i < k; ++i) {
     vd x[R];
     LoadRows<R, kPartial>(a, last, x);
-#pragma GCC unroll 8
-    for (int c = 0; c < kNr; ++c) {
-      const vd y = Splat(b[c]);
-#pragma GCC unroll 4
-      for (int r = 0; r < R; ++r)
-        t.v[c][r] += x[r] * y;
-    }
+    AddOuter(x, b, t);
     a += lda;
     b += ldb;
   }

@@ -21,16 +21,8 @@ GLISSADE_INLINE int PanelDepth(const TwistGroup& group, int block) {
 template <int kRows, int R>
 GLISSADE_INLINE void TileStep(const double* a, const double* b, Tile<R>& t) {
   vd x[kRows];
-#pragma GCC unroll 4
-  for (int r = 0; r < kRows; ++r)
-    x[r] = Load(a + r * kW);
-#pragma GCC unroll 8
-  for (int c = 0; c < kNr; ++c) {
-    const vd y = Splat(b[c]);
-#pragma GCC unroll 4
-    for (int r = 0; r < kRows; ++r)
-      t.v[c][r] += x[r] * y;
-  }
+  LoadRows<kRows, false>(a, kW, x);
+  AddOuter(x, b, t);
 }
 
 /// C = -A B' for R vectors of rows, of which the r-th has depth[r] columns.
@@ -38,12 +30,7 @@ template <int R>
 __attribute__((noinline)) void FallingTile(const int (&depth)[kMr], const double* a,
                                            const double* b, Index ld, double* c, Index ldc) {
   Tile<R> t;
-#pragma GCC unroll 8
-  for (int j = 0; j < kNr; ++j) {
-#pragma GCC unroll 4
-    for (int r = 0; r < R; ++r)
-      t.v[j][r] = Zero();
-  }
+  ClearTile(t);
   int k = 0;
   if constexpr (R > 2) {
 #pragma GCC unroll 1
