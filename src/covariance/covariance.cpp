@@ -8,6 +8,7 @@
 #include <string>
 
 #include "covariance/linearized_graph.h"
+#include "glissade/base/index.h"
 #include "glissade/base/out_of_memory.h"
 #include "glissade/linear/instruction_set.h"
 #include "kernels/kernels.h"
@@ -16,9 +17,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;

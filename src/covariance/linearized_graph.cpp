@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "covariance/linearized_graph.h"
 
+#include "glissade/base/index.h"
+
 namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 }  // namespace
 

@@ -6,15 +6,14 @@
 #include <cmath>
 
 #include "covariance/linearized_graph.h"
+#include "glissade/base/index.h"
 #include "glissade/covariance/covariance.h"
 
 namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using ConstBlock = Eigen::Map<const RowMajor>;

@@ -5,15 +5,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "glissade/base/index.h"
 #include "glissade/gauge/constraint.h"
 
 namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Dense = Eigen::MatrixXd;

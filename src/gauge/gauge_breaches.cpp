@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "gauge/gauge_vectors.h"
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/graph/robust.h"
 
@@ -13,9 +14,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 }  // namespace
 

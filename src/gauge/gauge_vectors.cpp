@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/vertices/inverse_depth.h"
 
@@ -12,9 +13,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// U <- E^+ U with zeros below, E the basis of the free tangent. False where U does not lie in its
 /// span.

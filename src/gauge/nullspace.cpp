@@ -7,6 +7,7 @@
 
 #include "gauge/gauge_breaches.h"
 #include "gauge/gauge_vectors.h"
+#include "glissade/base/index.h"
 #include "glissade/base/out_of_memory.h"
 #include "glissade/linear/normal_equations.h"
 
@@ -14,9 +15,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 template <int N>
 void AddForms(double factor, const DenseBlock& A, const double* x, const double* y, double* sum) {

@@ -67,11 +67,11 @@ bool EdgePool::CanJoin(const AnyVertex* vertices) const {
 void EdgePool::Reserve(std::size_t count) {
   slots_.MakeRoom(count);
   edges_.MakeRoom(count);
-  internal::MakeRoomIn(&vertices_, count * Index(arity_));
-  internal::MakeRoomIn(&sqrt_information_, count * Index(rows_ * rows_));
+  internal::MakeRoomIn(&vertices_, count * internal::Index(arity_));
+  internal::MakeRoomIn(&sqrt_information_, count * internal::Index(rows_ * rows_));
   internal::MakeRoomIn(&identity_, count);
   internal::MakeRoomIn(&loss_of_edge_, count);
-  lists_.MakeRoomForLinks(count * Index(arity_));
+  lists_.MakeRoomForLinks(count * internal::Index(arity_));
 }
 
 void EdgePool::RoomAt(const AnyVertex* vertices) {
@@ -80,19 +80,19 @@ void EdgePool::RoomAt(const AnyVertex* vertices) {
 }
 
 void EdgePool::set_sqrt_information(int edge, const double* value, bool identity) {
-  const std::size_t size = Index(rows_ * rows_);
-  std::copy_n(value, size, sqrt_information_.data() + Index(edge) * size);
-  identity_[Index(edge)] = identity ? 1 : 0;
+  const std::size_t size = internal::Index(rows_ * rows_);
+  std::copy_n(value, size, sqrt_information_.data() + internal::Index(edge) * size);
+  identity_[internal::Index(edge)] = identity ? 1 : 0;
 }
 
 void EdgePool::Link(int edge) {
-  const std::uint32_t* slots = vertices_.data() + Index(edge) * Index(arity_);
+  const std::uint32_t* slots = vertices_.data() + internal::Index(edge) * internal::Index(arity_);
   for (int i = 0; i < arity_; ++i)
     lists_.Append(column_[i], slots[i], edge);
 }
 
 void EdgePool::DenseIndices(int edge, std::int32_t* indices) const {
-  const std::uint32_t* slots = vertices_.data() + Index(edge) * Index(arity_);
+  const std::uint32_t* slots = vertices_.data() + internal::Index(edge) * internal::Index(arity_);
   for (int i = 0; i < arity_; ++i)
     indices[i] = pools_[i]->slots().IndexOf(slots[i]);
 }
@@ -127,7 +127,8 @@ void EdgePool::Whiten(int edge, double* residual, double* const* jacobians) cons
   int widest = 1;
   for (int i = 0; i < arity_; ++i)
     widest = std::max(widest, dim_[i]);
-  auto* work = static_cast<double*>(__builtin_alloca(sizeof(double) * Index(rows_ * widest)));
+  auto* work =
+      static_cast<double*>(__builtin_alloca(sizeof(double) * internal::Index(rows_ * widest)));
   internal::MultiplyInPlace(rows_, 1, L, residual, work);
   for (int i = 0; jacobians != nullptr && i < arity_; ++i) {
     if (jacobians[i] != nullptr) internal::MultiplyInPlace(rows_, dim_[i], L, jacobians[i], work);
@@ -139,7 +140,8 @@ double EdgePool::Chi2(int edge) const {
   const double* states[kMaxTypedArity];
   DenseIndices(edge, indices);
   States(indices, states);
-  auto* scratch = static_cast<double*>(__builtin_alloca(sizeof(double) * Index(2 * rows_)));
+  auto* scratch =
+      static_cast<double*>(__builtin_alloca(sizeof(double) * internal::Index(2 * rows_)));
   return WhitenedSquaredNorm(edge, states, scratch);
 }
 
@@ -170,9 +172,9 @@ bool EdgePool::IsDuplicate(int edge, int other) const {
 
 void EdgePool::Compact() {
   if (slots_.NumAlive() == size()) return;
-  const std::size_t arity = Index(arity_), weights = Index(rows_ * rows_);
+  const std::size_t arity = internal::Index(arity_), weights = internal::Index(rows_ * rows_);
   slots_.Compact([&](int from, int to) {
-    const std::size_t f = Index(from), t = Index(to);
+    const std::size_t f = internal::Index(from), t = internal::Index(to);
     edges_.Move(f, t);
     std::copy_n(vertices_.data() + f * arity, arity, vertices_.data() + t * arity);
     std::copy_n(sqrt_information_.data() + f * weights, weights,
@@ -180,7 +182,7 @@ void EdgePool::Compact() {
     identity_[t] = identity_[f];
     loss_of_edge_[t] = loss_of_edge_[f];
   });
-  const std::size_t n = Index(slots_.Size());
+  const std::size_t n = internal::Index(slots_.Size());
   edges_.Truncate(n);
   vertices_.resize(n * arity);
   sqrt_information_.resize(n * weights);

@@ -46,7 +46,8 @@ bool EdgePool::Linearize(const std::int32_t* words, int count, NormalEquationsSi
 }
 
 bool EdgePool::Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const {
-  auto* scratch = static_cast<double*>(__builtin_alloca(sizeof(double) * Index(2 * rows_)));
+  auto* scratch =
+      static_cast<double*>(__builtin_alloca(sizeof(double) * internal::Index(2 * rows_)));
   const double* states[kMaxTypedArity];
   for (int k = 0; k < count; ++k, words += plan::NumWords(arity_)) {
     const int edge = words[plan::kEdge];

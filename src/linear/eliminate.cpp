@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/linear/normal_equations.h"
 #include "kernels/kernels.h"
@@ -19,9 +20,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 constexpr int kTasksPerThread = 4;
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/linear/normal_equations.h"
 #include "linear/free_tangents.h"
@@ -17,9 +18,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 }  // namespace
 

@@ -3,6 +3,7 @@
 
 // Products with a reduced system that is not stored.
 
+#include "glissade/base/index.h"
 #include "glissade/linear/normal_equations.h"
 #include "kernels/kernels.h"
 #include "linear/landmark_view.h"
@@ -11,9 +12,7 @@
 namespace glissade {
 
 namespace {
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 }  // namespace
 
 // A chunk's part of H_pp x.

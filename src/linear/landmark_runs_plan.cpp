@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "glissade/base/index.h"
 #include "kernels/kernels.h"
 #include "linear/landmark_runs.h"
 
@@ -12,9 +13,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// Values of so many edges stay in the first-level cache while they are used.
 constexpr int kMaxRun = 64;

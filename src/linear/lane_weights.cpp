@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/graph/robust.h"
 #include "glissade/losses/cauchy.h"
@@ -17,9 +18,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 bool IsScaledIdentity(int rows, const double* L) {
   for (int k = 0; k < rows * rows; ++k) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/linear/normal_equations.h"
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 
 #include <algorithm>
@@ -15,9 +16,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 StepFailure NoValue(const Graph& graph, int pool, int edge) {
   StepFailure failure;

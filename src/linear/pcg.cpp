@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "glissade/base/index.h"
 #include "glissade/linear/linear_solver.h"
 #include "kernels/kernels.h"
 
 namespace glissade {
 
 namespace {
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 }  // namespace
 
 int PcgSolver::FactorDiagonalBlock(std::int64_t offset, int dim, BlockView block) {

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 
+#include "glissade/base/index.h"
 #include "linear/schur_storage.h"
 
 namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// With blocks of 9 x 3 their Z takes 220 kB. Numbers of slots must fit into 16 bits, so that a
 /// landmark with more slots than this is a batch of its own (Structure refuses those above 2^16).

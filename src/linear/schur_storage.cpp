@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <numeric>
 
+#include "glissade/base/index.h"
 #include "kernels/kernels.h"
 
 namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// Columns a multiple of 8 apart: aligned relative to each other, and the masked tail of a short
 /// one does not overlap the next.

@@ -7,12 +7,12 @@
 #include "kernels/kernels.h"
 #include "linear/block_copy.h"
 
+#include "glissade/base/index.h"
+
 namespace glissade {
 
 namespace {
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 }  // namespace
 
 bool SparseCholeskySolver::FactorFront(const SchurOperator& S, const Supernode& node,

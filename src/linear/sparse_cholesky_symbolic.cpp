@@ -8,12 +8,12 @@
 
 #include "glissade/linear/sparse_cholesky.h"
 
+#include "glissade/base/index.h"
+
 namespace glissade {
 
 namespace {
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 constexpr double kMaxZeros = 0.35;  // part of a front's own columns that may be explicit zeros
 constexpr std::int64_t kMaxInPlace = 64 * 1024;  // doubles

@@ -5,15 +5,14 @@
 
 #include <algorithm>
 
+#include "glissade/base/index.h"
 #include "linear/free_tangents.h"
 #include "linear/twist_terms.h"
 
 namespace glissade {
 
 namespace {
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 // Twist blocks: 6 x 6, column-major with columns of 8.
 constexpr int kBlockStride = 8;

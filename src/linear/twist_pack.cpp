@@ -7,13 +7,13 @@
 
 #include "linear/twist_terms.h"
 
+#include "glissade/base/index.h"
+
 namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// Values of so many edges stay in the first-level cache while they are used.
 constexpr std::int32_t kMaxSegment = 64;

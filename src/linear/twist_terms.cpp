@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/lie/quaternion.h"
 #include "glissade/vertices/pose.h"
@@ -13,9 +14,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 void Copy(const Matrix3& R, double* out) {
   for (int r = 0; r < 3; ++r) {

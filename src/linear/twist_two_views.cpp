@@ -7,13 +7,13 @@
 
 #include "linear/twist_terms.h"
 
+#include "glissade/base/index.h"
+
 namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// A camera is looked for among so many of its pose: a rig has a handful.
 constexpr int kMaxLookedAt = 16;

@@ -8,15 +8,14 @@
 #include <cmath>
 #include <limits>
 
+#include "glissade/base/index.h"
 #include "kernels/kernels.h"
 
 namespace glissade::internal {
 
 namespace {
 
-std::size_t Index(int i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// Y (m x columns) <- Lambda^+1/2 V' Y with the eigenvectors of the scaled block, of which those
 /// under the cut are left out. Returns the rank or -1.

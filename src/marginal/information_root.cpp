@@ -9,15 +9,14 @@
 #include <limits>
 #include <numeric>
 
+#include "glissade/base/index.h"
 #include "kernels/kernels.h"
 
 namespace glissade::internal {
 
 namespace {
 
-std::size_t Index(int i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 double Cut(int n, double relative_cut) {
   return relative_cut > 0.0 ? relative_cut : 4.0 * n * std::numeric_limits<double>::epsilon();

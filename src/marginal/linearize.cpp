@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "glissade/base/index.h"
 #include "glissade/base/validate.h"
 #include "glissade/graph/pools.h"
 #include "glissade/graph/robust.h"
@@ -19,9 +20,7 @@ namespace {
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Kind = MarginalVariable::Kind;
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// J and r as they enter the normal equations: robust.h at sizes known at run time.
 void Robustify(const Loss& loss, int rows, int dims, double* r, double* J, int stride) {

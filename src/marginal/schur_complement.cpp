@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "glissade/base/index.h"
 #include "glissade/base/validate.h"
 #include "marginal/dense_schur.h"
 
@@ -13,9 +14,7 @@ namespace glissade::internal {
 
 namespace {
 
-std::size_t Index(int i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 Status Invalid(const std::string& what) {
   return {StatusCode::kInvalidArgument, "SchurComplement: " + what};

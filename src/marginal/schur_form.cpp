@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "glissade/base/index.h"
 #include "kernels/kernels.h"
 #include "marginal/information_root.h"
 
@@ -12,9 +13,7 @@ namespace glissade::internal {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 Status Indefinite() {
   return {StatusCode::kNotPositive,

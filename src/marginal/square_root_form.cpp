@@ -6,13 +6,13 @@
 #include <cmath>
 #include <limits>
 
+#include "glissade/base/index.h"
+
 namespace glissade::internal {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// Rows that are merged into the triangle at a time: with it they fit the first-level cache.
 constexpr int kBatch = 96;

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "glissade/base/index.h"
 #include "kernels/kernels.h"
 
 namespace glissade::internal {
 
 namespace {
-std::size_t Index(int i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 }  // namespace
 
 void StaircaseQr::Resize(int num_rows, int num_columns) {

@@ -6,13 +6,13 @@
 #include <string>
 #include <tuple>
 
+#include "glissade/base/index.h"
+
 namespace glissade::internal {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 using Kind = MarginalVariable::Kind;
 

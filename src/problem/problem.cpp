@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "glissade/base/index.h"
 #include "glissade/base/out_of_memory.h"
 #include "glissade/base/validate.h"
 #include "glissade/graph/pools.h"
@@ -14,9 +15,7 @@
 namespace glissade {
 
 namespace {
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 }  // namespace
 
 /// What a Problem keeps between solves, and where the step API stands.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/structure/structure.h"
 #include "structure/inactive.h"
@@ -12,9 +13,7 @@
 namespace glissade {
 
 namespace {
-std::size_t Index(int i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 }  // namespace
 
 void Structure::LayOutLandmark(int landmark) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/structure/structure.h"
 
@@ -12,9 +13,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 constexpr std::int32_t kLaneBlock = LandmarkPlan::kLaneBlock;
 /// So many empty lanes in a row end a run, and an edge looks for its run among so many: sensors of

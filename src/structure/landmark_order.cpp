@@ -8,15 +8,14 @@
 #include <algorithm>
 #include <tuple>
 
+#include "glissade/base/index.h"
 #include "glissade/structure/structure.h"
 #include "structure/inactive.h"
 
 namespace glissade {
 
 namespace {
-std::size_t Index(int i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 }  // namespace
 
 void Structure::SortLandmarks() {

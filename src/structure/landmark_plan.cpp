@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/structure/structure.h"
 
@@ -11,9 +12,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/structure/structure.h"
 
@@ -14,9 +15,7 @@ namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// Position of a pose as seen from o.
 Vector3 PositionFrom(const double* o, const VertexPool<VertexPose>& poses, std::int32_t pose) {

@@ -4,13 +4,13 @@
 
 #include "glissade/structure/structure.h"
 
+#include "glissade/base/index.h"
+
 namespace glissade {
 
 namespace {
 
-std::size_t Index(std::int64_t i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// Counting sort by block: items of block b are out[begin[b], begin[b + 1]). for_each(f) calls
 /// f(block, item) for all, the same way each time.

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <limits>
 
+#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/vertices/inverse_depth.h"
 #include "structure/inactive.h"
@@ -16,9 +17,7 @@ namespace {
 
 constexpr int kMaxChunks = 8;  // each chunk has its own copy of H_pp and S
 
-std::size_t Index(int i) {
-  return static_cast<std::size_t>(i);
-}
+using internal::Index;
 
 /// What is kept from one analysis to the next (a symbolic factorization, say) is told by this
 /// number whether it still holds, also where it has served another problem in between.

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "glissade/base/index.h"
 #include "glissade/base/value_array.h"
 #include "glissade/edges/edge_ops.h"
 #include "glissade/graph/edge_pool_base.h"
@@ -31,7 +32,7 @@ class EdgePool final : public EdgePoolBase {
   void Reserve(std::size_t count);
   void RoomAt(const AnyVertex* vertices);
 
-  [[nodiscard]] const void* Value(int edge) const { return edges_.At(Index(edge)); }
+  [[nodiscard]] const void* Value(int edge) const { return edges_.At(internal::Index(edge)); }
   /// E: the pool's type.
   template <class E>
   [[nodiscard]] const E& At(int edge) const {
@@ -42,16 +43,18 @@ class EdgePool final : public EdgePoolBase {
     return static_cast<E*>(edges_.data())[edge];
   }
   [[nodiscard]] const double* sqrt_information(int edge) const {
-    return sqrt_information_.data() + Index(edge) * Index(rows_ * rows_);
+    return sqrt_information_.data() + internal::Index(edge) * internal::Index(rows_ * rows_);
   }
-  [[nodiscard]] bool HasIdentityInformation(int edge) const { return identity_[Index(edge)] != 0; }
+  [[nodiscard]] bool HasIdentityInformation(int edge) const {
+    return identity_[internal::Index(edge)] != 0;
+  }
   void set_sqrt_information(int edge, const double* value, bool identity);
 
   [[nodiscard]] int arity(int) const override { return arity_; }
   [[nodiscard]] int residual_dim(int) const override { return rows_; }
   [[nodiscard]] VertexPoolBase* vertex_pool(int, int i) const override { return pools_[i]; }
   [[nodiscard]] std::uint32_t vertex_slot(int edge, int i) const override {
-    return vertices_[Index(edge) * Index(arity_) + Index(i)];
+    return vertices_[internal::Index(edge) * internal::Index(arity_) + internal::Index(i)];
   }
   [[nodiscard]] int fixed_arity() const override { return arity_; }
   void AllDenseIndices(std::int32_t* indices) const override;
@@ -76,7 +79,6 @@ class EdgePool final : public EdgePoolBase {
       AnyEdge* failed) const override;
 
  private:
-  static std::size_t Index(int i) { return static_cast<std::size_t>(i); }
   void Bind(const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools);
   void Link(int edge);
   void DenseIndices(int edge, std::int32_t* indices) const;
