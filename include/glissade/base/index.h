@@ -8,6 +8,8 @@
 namespace glissade::internal {
 
 /// A count or position that is never negative, as what subscripts of the standard library take.
-constexpr std::size_t Index(std::int64_t i) { return static_cast<std::size_t>(i); }
+constexpr std::size_t Index(std::int64_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 }  // namespace glissade::internal
