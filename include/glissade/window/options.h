@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "glissade/base/status.h"
+#include "glissade/graph/first_estimates.h"
+#include "glissade/imu/noise.h"
+#include "glissade/losses/loss.h"
+#include "glissade/window/observation.h"
+#include "glissade/window/triangulate.h"
+
+namespace glissade {
+
+class WindowPolicy;
+
+/// When a frame is kept for longer than the newest ones. Any of the rules is enough.
+struct KeyframeRules {
+  /// Less than this part of the last keyframe's landmarks is seen.
+  double min_tracked_share = 0.6;
+  /// Tracks have moved by more than this since the last keyframe, in the mean, in normalized
+  /// coordinates (rad, for small angles), rotation taken out where an IMU knows it.
+  double max_parallax = 0.1;
+  double max_interval_s = 2.0;
+};
+
+/// What SlidingWindow is told once.
+struct SlidingWindowOptions {
+  std::vector<WindowCamera> cameras;
+  /// Absent: no IMU, and states without speed and biases. Needs two cameras then.
+  std::optional<ImuNoise> imu_noise;
+  /// m/s^2. The world's z axis points up, whatever the recording's own world does.
+  double gravity = 9.81;
+
+  /// Which frames stay; null: OkvisPolicy with its defaults.
+  std::shared_ptr<WindowPolicy> policy;
+  KeyframeRules keyframes;
+  FirstEstimates first_estimates = FirstEstimates::kFull;
+
+  /// Of observations.
+  Loss loss;
+  /// r'r in sigmas beyond which an observation is taken out after a solve: 99.9 % of chi2, 2 DoF.
+  double max_chi2 = 13.8;
+  TriangulationOptions triangulation;
+  /// A landmark with fewer observations than this in the window says nothing and is taken out.
+  int min_observations = 2;
+
+  /// Standard deviations of what is believed of the biases before anything is measured.
+  double prior_sigma_accel_bias = 0.1;  ///< m/s^2
+  double prior_sigma_gyro_bias = 0.01;  ///< rad/s
+  /// Of the tilt with which the first frame starts, rad, and of its speed, m/s.
+  double prior_sigma_tilt = 0.1;
+  double prior_sigma_speed = 0.1;
+
+  /// A frame whose stamp is further than this behind the last one is refused: a clock that jumped.
+  std::int64_t max_frame_gap_ns = 10'000'000'000;
+
+  SlidingWindowOptions();
+  [[nodiscard]] Status Validate() const;
+};
+
+/// How much one Optimize() may do.
+struct WindowBudget {
+  int max_iterations = 4;  ///< linear solves
+  double max_time_s = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace glissade

@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Book-keeping of tracks: which landmark a feature shows, and when its point is known.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "glissade/base/index.h"
+#include "glissade/base/validate.h"
+#include "window/sliding_window_impl.h"
+
+namespace glissade {
+
+using internal::Index;
+
+WindowLandmark& SlidingWindow::Impl::LandmarkOf(std::int64_t track) {
+  const int found = tracks.Find(track);
+  if (found >= 0) return landmarks[Index(found)];
+  if (num_landmarks == landmarks.size()) landmarks.emplace_back();
+  tracks.Set(track, static_cast<int>(num_landmarks));
+  WindowLandmark& landmark = landmarks[num_landmarks++];
+  landmark.track = track;
+  landmark.point = {};
+  landmark.observations.clear();
+  return landmark;
+}
+
+void SlidingWindow::Impl::ForgetLandmark(std::size_t index) {
+  tracks.Erase(landmarks[index].track);
+  const std::size_t last = --num_landmarks;
+  if (index == last) return;
+  std::swap(landmarks[index], landmarks[last]);
+  tracks.Set(landmarks[index].track, static_cast<int>(index));
+}
+
+Status SlidingWindow::Impl::RemoveFromGraph(WindowLandmark* landmark) {
+  if (Status s = problem.RemoveVertex(landmark->point); !s.ok()) return s;
+  for (LandmarkObservation& o : landmark->observations) {
+    if (o.edge.slot == kNullSlot) continue;
+    o.edge = {};
+    const int frame = FrameIndex(o.frame);
+    if (frame >= 0) --frames[Index(frame)].num_observations;
+  }
+  landmark->point = {};
+  return {};
+}
+
+Status SlidingWindow::Impl::AddObservationEdge(WindowLandmark* landmark,
+                                               LandmarkObservation* observation) {
+  const WindowCamera& camera = options.cameras[Index(observation->camera)];
+  WindowFrame& frame = frames[Index(FrameIndex(observation->frame))];
+  EdgeReprojectionXYZ edge;
+  edge.uv = observation->uv;
+  edge.T_b_c = camera.T_b_c;
+  EdgeOptions<EdgeReprojectionXYZ> weight;
+  weight.sqrt_information =
+      Matrix2(Vector2(camera.fx / camera.sigma_px, camera.fy / camera.sigma_px).asDiagonal());
+  weight.loss = options.loss;
+  const auto added = problem.AddEdge(edge, {frame.pose, landmark->point}, weight);
+  if (!added.ok()) {
+    static_cast<void>(problem.AcknowledgeRefusal());
+    return added.status();
+  }
+  observation->edge = *added;
+  ++frame.num_observations;
+  return {};
+}
+
+Status SlidingWindow::Associate(std::span<const FrameObservation> observations) {
+  Impl& w = *impl_;
+  if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
+  const WindowFrame& frame = w.frames.back();
+  for (const FrameObservation& o : observations) {
+    const double uv[2] = {o.u, o.v};
+    if (o.camera < 0 || Index(o.camera) >= w.options.cameras.size() ||
+        !internal::AllFinite(uv, 2)) {
+      w.Count(WindowEvent::kObservationRefused);
+      continue;
+    }
+    WindowLandmark& landmark = w.LandmarkOf(o.track);
+    const auto same = [&](const LandmarkObservation& x) {
+      return x.frame == frame.id && x.camera == o.camera;
+    };
+    if (std::any_of(landmark.observations.rbegin(), landmark.observations.rend(), same)) {
+      w.Count(WindowEvent::kObservationRefused);
+      continue;
+    }
+    LandmarkObservation observation;
+    observation.frame = frame.id;
+    observation.camera = o.camera;
+    observation.uv = w.options.cameras[Index(o.camera)].Normalized(o.u, o.v);
+    landmark.observations.push_back(observation);
+    if (!landmark.InGraph()) continue;
+    if (Status s = w.AddObservationEdge(&landmark, &landmark.observations.back()); !s.ok()) {
+      landmark.observations.pop_back();
+      w.Count(WindowEvent::kObservationRefused);
+    }
+  }
+  if (frame.num_observations == 0) w.Count(WindowEvent::kFrameWithoutLandmarks);
+  return {};
+}
+
+void SlidingWindow::Impl::UpdateCamerasInWorld() {
+  cameras_in_world.clear();
+  for (const WindowFrame& frame : frames) {
+    for (const WindowCamera& camera : options.cameras)
+      cameras_in_world.push_back(frame.T_w_b * camera.T_b_c);
+  }
+}
+
+Status SlidingWindow::TriangulateTracks() {
+  Impl& w = *impl_;
+  if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
+  w.UpdateCamerasInWorld();
+  const std::int64_t newest = w.frames.back().id;
+  for (WindowLandmark& landmark : w.Landmarks()) {
+    if (landmark.InGraph() || landmark.NewestFrame() != newest ||
+        landmark.observations.size() < 2) {
+      continue;
+    }
+    w.views.clear();
+    for (const LandmarkObservation& o : landmark.observations) {
+      const WindowCamera& camera = w.options.cameras[Index(o.camera)];
+      w.views.push_back({w.CameraInWorld(w.FrameIndex(o.frame), o.camera), o.uv,
+                         camera.sigma_px / std::sqrt(camera.fx * camera.fy)});
+    }
+    const auto point = Triangulate(w.views, w.options.triangulation);
+    if (!point.ok()) {
+      if (point.status().code() == StatusCode::kEvaluationFailed) {
+        // One of the views is wrong, and nobody knows which: begin anew with the newest frame's.
+        std::erase_if(landmark.observations,
+                      [&](const LandmarkObservation& o) { return o.frame != newest; });
+        w.Count(WindowEvent::kObservationRejected);
+      }
+      continue;
+    }
+    const auto vertex = w.problem.AddVertex(VertexPointXYZ{point->X_w});
+    if (!vertex.ok()) {
+      static_cast<void>(w.problem.AcknowledgeRefusal());
+      return vertex.status();
+    }
+    landmark.point = *vertex;
+    for (LandmarkObservation& o : landmark.observations) {
+      if (Status s = w.AddObservationEdge(&landmark, &o); !s.ok()) return s;
+    }
+    w.Count(WindowEvent::kLandmarkTriangulated);
+  }
+  return {};
+}
+
+void SlidingWindow::ChooseKeyframe(KeyframeChoice choice) {
+  Impl& w = *impl_;
+  if (w.frames.empty()) return;
+  WindowFrame& frame = w.frames.back();
+  const auto before = std::find_if(w.frames.rbegin() + 1, w.frames.rend(),
+                                   [](const WindowFrame& f) { return f.is_keyframe; });
+  if (choice != KeyframeChoice::kByRules) {
+    frame.is_keyframe = choice == KeyframeChoice::kYes;
+  } else if (before == w.frames.rend()) {
+    frame.is_keyframe = true;
+  } else {
+    const KeyframeRules& rules = w.options.keyframes;
+    const Matrix3 R_last_new = before->T_w_b.R().transpose() * frame.T_w_b.R();
+    int seen = 0, common = 0;
+    double parallax = 0.0;
+    for (const WindowLandmark& landmark : w.Landmarks()) {
+      if (landmark.NewestFrame() != frame.id) continue;
+      const LandmarkObservation& now = landmark.observations.back();
+      ++seen;
+      const auto then = std::find_if(landmark.observations.begin(), landmark.observations.end(),
+                                     [&](const LandmarkObservation& o) {
+                                       return o.frame == before->id && o.camera == now.camera;
+                                     });
+      if (then == landmark.observations.end()) continue;
+      ++common;
+      const Matrix3 R_b_c = w.options.cameras[Index(now.camera)].T_b_c.R();
+      const Vector3 ray =
+          R_b_c.transpose() * (R_last_new * (R_b_c * Vector3(now.uv[0], now.uv[1], 1.0)));
+      if (ray[2] > 0.1) {
+        parallax += std::hypot(ray[0] / ray[2] - then->uv[0], ray[1] / ray[2] - then->uv[1]);
+      }
+    }
+    frame.is_keyframe =
+        static_cast<double>(common) < rules.min_tracked_share * static_cast<double>(seen) ||
+        parallax > rules.max_parallax * static_cast<double>(common) ||
+        SecondsBetween(before->stamp_ns, frame.stamp_ns) > rules.max_interval_s;
+  }
+  if (frame.is_keyframe) w.Count(WindowEvent::kKeyframe);
+}
+
+}  // namespace glissade

@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// What the policy lets go becomes a prior.
+#include <algorithm>
+#include <string>
+
+#include "glissade/base/index.h"
+#include "window/sliding_window_impl.h"
+
+namespace glissade {
+
+using internal::Index;
+
+namespace {
+
+void SortedOnce(std::vector<int>* indices, int limit) {
+  std::sort(indices->begin(), indices->end());
+  indices->erase(std::unique(indices->begin(), indices->end()), indices->end());
+  std::erase_if(*indices, [&](int i) { return i < 0 || i >= limit; });
+}
+
+bool Holds(const std::vector<int>& sorted, int i) {
+  return std::binary_search(sorted.begin(), sorted.end(), i);
+}
+
+}  // namespace
+
+/// Makes of the policy's plan one that can be carried out, whatever it said: indices that exist,
+/// once each; the newest frame stays, and a dropped frame that a prior knows is marginalized.
+void SlidingWindow::Impl::CompletePlan() {
+  const int newest = static_cast<int>(frames.size()) - 1;
+  SortedOnce(&plan.marginalize_frames, newest);
+  SortedOnce(&plan.marginalize_speed_biases, newest);
+  SortedOnce(&plan.drop_frames, newest);
+  SortedOnce(&plan.marginalize_landmarks, static_cast<int>(num_landmarks));
+  std::erase_if(plan.drop_frames, [&](int k) {
+    if (Holds(plan.marginalize_frames, k)) return true;
+    const WindowFrame& frame = frames[Index(k)];
+    const bool free_of_priors =
+        !problem.HasFirstEstimate(frame.pose) && k > 0 &&
+        (!HasImu() || (frame.HasSpeedBias() && frames[Index(k - 1)].HasSpeedBias() &&
+                       !problem.HasFirstEstimate(frame.speed_bias)));
+    if (!free_of_priors) plan.marginalize_frames.push_back(k);
+    return !free_of_priors;
+  });
+  SortedOnce(&plan.marginalize_frames, newest);
+  std::erase_if(plan.marginalize_speed_biases, [&](int k) {
+    return !frames[Index(k)].HasSpeedBias() || Holds(plan.marginalize_frames, k) ||
+           Holds(plan.drop_frames, k);
+  });
+  std::erase_if(plan.marginalize_landmarks, [&](int l) { return !landmarks[Index(l)].InGraph(); });
+}
+
+/// Observations in frames that leave, of landmarks that stay.
+Status SlidingWindow::Impl::DropObservationsOf(const std::vector<bool>& leaves) {
+  for (std::size_t l = 0; l < num_landmarks; ++l) {
+    if (Holds(plan.marginalize_landmarks, static_cast<int>(l))) continue;
+    WindowLandmark& landmark = landmarks[l];
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < landmark.observations.size(); ++i) {
+      const LandmarkObservation& o = landmark.observations[i];
+      if (!leaves[Index(FrameIndex(o.frame))]) {
+        landmark.observations[kept++] = o;
+      } else if (o.edge.slot != kNullSlot) {
+        if (Status s = problem.RemoveEdge(o.edge); !s.ok()) return s;
+      }
+    }
+    landmark.observations.resize(kept);
+  }
+  return {};
+}
+
+/// One IMU term in place of those on both sides of a frame that goes.
+Status SlidingWindow::Impl::JoinImuTerms(int k) {
+  WindowFrame& before = frames[Index(k - 1)];
+  WindowFrame& after = frames[Index(k + 1)];
+  const VertexSpeedBias& state = problem.Get(before.speed_bias);
+  ImuPreintegration joined;
+  if (Status s = Integrate(before.stamp_ns, after.stamp_ns, {state.ba(), state.bg()}, &joined);
+      !s.ok()) {
+    return s;
+  }
+  const EdgeHandle<EdgeImu> old = after.imu;
+  if (Status s = AddImuTerm(joined, &before, &after); !s.ok()) return s;
+  preintegrations[Index(k + 1)] = joined;
+  if (old.slot != kNullSlot) return problem.RemoveEdge(old);
+  return {};
+}
+
+Status SlidingWindow::Slide() {
+  Impl& w = *impl_;
+  if (w.frames.empty()) return {};
+  w.plan.Clear();
+  w.options.policy->Decide(view(), &w.plan);
+  w.CompletePlan();
+  const WindowPlan& plan = w.plan;
+
+  std::vector<bool> leaves(w.frames.size(), false);
+  for (const int k : plan.marginalize_frames)
+    leaves[Index(k)] = true;
+  for (const int k : plan.drop_frames)
+    leaves[Index(k)] = true;
+  if (Status s = w.DropObservationsOf(leaves); !s.ok()) return s;
+
+  for (const int k : plan.drop_frames) {
+    if (!w.HasImu()) continue;
+    if (Status s = w.JoinImuTerms(k); !s.ok()) return s;
+  }
+  w.leaving.clear();
+  for (const int k : plan.marginalize_frames) {
+    w.leaving.emplace_back(w.frames[Index(k)].pose);
+    if (w.frames[Index(k)].HasSpeedBias()) w.leaving.emplace_back(w.frames[Index(k)].speed_bias);
+  }
+  for (const int k : plan.marginalize_speed_biases)
+    w.leaving.emplace_back(w.frames[Index(k)].speed_bias);
+  for (const int l : plan.marginalize_landmarks)
+    w.leaving.emplace_back(w.landmarks[Index(l)].point);
+  if (!w.leaving.empty()) {
+    const auto done = w.problem.Marginalize(w.leaving);
+    if (!done.ok()) {
+      static_cast<void>(w.problem.AcknowledgeRefusal());
+      return done.status();
+    }
+  }
+  for (const int k : plan.marginalize_speed_biases) {
+    w.frames[Index(k)].speed_bias = {};
+    w.frames[Index(k) + 1].imu = {};
+  }
+  w.Count(WindowEvent::kLandmarkMarginalized,
+          static_cast<std::int64_t>(plan.marginalize_landmarks.size()));
+  // From the last one on: each that goes is replaced by the last.
+  for (auto l = plan.marginalize_landmarks.rbegin(); l != plan.marginalize_landmarks.rend(); ++l) {
+    WindowLandmark& landmark = w.landmarks[Index(*l)];
+    for (const LandmarkObservation& o : landmark.observations) {
+      if (o.edge.slot != kNullSlot) --w.frames[Index(w.FrameIndex(o.frame))].num_observations;
+    }
+    w.ForgetLandmark(Index(*l));
+  }
+  for (const int k : plan.drop_frames) {
+    if (w.HasImu()) {
+      if (Status s = w.problem.RemoveVertex(w.frames[Index(k)].speed_bias); !s.ok()) return s;
+    }
+    if (Status s = w.problem.RemoveVertex(w.frames[Index(k)].pose); !s.ok()) return s;
+  }
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < w.frames.size(); ++k) {
+    if (leaves[k]) continue;
+    w.frames[kept] = w.frames[k];
+    w.preintegrations[kept++] = w.preintegrations[k];
+  }
+  w.frames.resize(kept);
+  w.preintegrations.resize(kept);
+  if (w.HasImu()) {
+    for (const WindowFrame& frame : w.frames) {
+      if (!frame.HasSpeedBias()) continue;
+      w.imu.DropBefore(frame.stamp_ns);
+      break;
+    }
+  }
+
+  // Tracks that ended before they became landmarks, and landmarks with too little left.
+  for (std::size_t l = w.num_landmarks; l-- > 0;) {
+    WindowLandmark& landmark = w.landmarks[l];
+    int in_graph = 0;
+    for (const LandmarkObservation& o : landmark.observations)
+      in_graph += o.edge.slot != kNullSlot ? 1 : 0;
+    if (landmark.InGraph() && in_graph < w.options.min_observations) {
+      if (Status s = w.RemoveFromGraph(&landmark); !s.ok()) return s;
+      w.Count(WindowEvent::kLandmarkStarved);
+    }
+    const bool ended = landmark.NewestFrame() != w.frames.back().id;
+    if (landmark.observations.empty() || (ended && !landmark.InGraph())) w.ForgetLandmark(l);
+  }
+  return {};
+}
+
+}  // namespace glissade

@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/window/sliding_window.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "glissade/base/index.h"
+#include "window/sliding_window_impl.h"
+
+namespace glissade {
+
+using internal::Index;
+
+SlidingWindow::Impl::Impl(SlidingWindowOptions o)
+    : options(std::move(o)), options_status(options.Validate()) {
+  if (!options.policy) options.policy = std::make_shared<OkvisPolicy>();
+  if (!options_status.ok()) return;
+  options_status = problem.SetFirstEstimates(options.first_estimates);
+}
+
+int SlidingWindow::Impl::FrameIndex(std::int64_t id) const {
+  const auto at =
+      std::lower_bound(frames.begin(), frames.end(), id,
+                       [](const WindowFrame& frame, std::int64_t x) { return frame.id < x; });
+  return at != frames.end() && at->id == id ? static_cast<int>(at - frames.begin()) : -1;
+}
+
+void SlidingWindow::Impl::Count(WindowEvent event, std::int64_t times) {
+  total[event] += times;
+  recent[event] += times;
+}
+
+Gauge SlidingWindow::Impl::WindowGauge() const {
+  return Gauge::Fixed{.anchor = frames.front().pose,
+                      .reference = {},
+                      .second = {},
+                      .group = HasImu() ? GaugeGroup::kVisualInertial : GaugeGroup::kStereo};
+}
+
+void SlidingWindow::Impl::ReadStates() {
+  for (WindowFrame& frame : frames)
+    frame.T_w_b = problem.Get(frame.pose).pose;
+  const WindowFrame& last = frames.back();
+  newest.stamp_ns = last.stamp_ns;
+  newest.T_w_b = last.T_w_b;
+  if (last.HasSpeedBias()) newest.speed_bias = problem.Get(last.speed_bias);
+}
+
+SlidingWindow::SlidingWindow(SlidingWindowOptions options)
+    : impl_(std::make_unique<Impl>(std::move(options))) {}
+SlidingWindow::~SlidingWindow() = default;
+SlidingWindow::SlidingWindow(SlidingWindow&&) noexcept = default;
+SlidingWindow& SlidingWindow::operator=(SlidingWindow&&) noexcept = default;
+
+Status SlidingWindow::AddImu(std::span<const ImuSample> samples) {
+  if (!impl_->options_status.ok()) return impl_->options_status;
+  if (!impl_->HasImu()) {
+    return {StatusCode::kInvalidArgument, "IMU samples, but the options have no imu_noise"};
+  }
+  Status first;
+  for (const ImuSample& sample : samples) {
+    if (Status s = impl_->imu.Add(sample); !s.ok()) {
+      impl_->Count(WindowEvent::kImuSampleRefused);
+      if (first.ok()) first = std::move(s);
+    }
+  }
+  return first;
+}
+
+Status SlidingWindow::AddFrame(std::int64_t stamp_ns,
+                               std::span<const FrameObservation> observations,
+                               KeyframeChoice keyframe) {
+  Impl& w = *impl_;
+  if (!w.options_status.ok()) return w.options_status;
+  w.recent = {};
+  if (w.phase == WindowPhase::kInitializing) {
+    if (Status s = w.TryToStart(stamp_ns); !s.ok()) return s;
+    if (w.phase == WindowPhase::kInitializing) return {};
+  } else if (Status s = Propagate(stamp_ns); !s.ok()) {
+    return s;
+  }
+  if (Status s = Associate(observations); !s.ok()) return s;
+  if (Status s = TriangulateTracks(); !s.ok()) return s;
+  ChooseKeyframe(keyframe);
+  return {};
+}
+
+Status SlidingWindow::Optimize(const WindowBudget& budget) {
+  if (!impl_->options_status.ok()) return impl_->options_status;
+  if (impl_->phase == WindowPhase::kInitializing) return {};
+  if (Status s = Solve(budget); !s.ok()) return s;
+  if (Status s = RejectOutliers(); !s.ok()) return s;
+  if (Status s = ReplaceImuTerms(); !s.ok()) return s;
+  return Slide();
+}
+
+Status SlidingWindow::Solve(const WindowBudget& budget) {
+  Impl& w = *impl_;
+  if (w.frames.empty()) return {};
+  SolveOptions options;
+  options.max_iterations = budget.max_iterations;
+  options.max_time_s = budget.max_time_s;
+  options.cost_tolerance = 1e-5;
+  options.initial_lambda = 1e-6;
+  options.gauge = w.WindowGauge();
+  w.summary = &w.problem.Solve(options);
+  if (!w.summary->ok()) {
+    w.Count(WindowEvent::kSolveFailed);
+    // What could not be solved has no edge to be solved: the first frame of a window without IMU.
+    if (w.summary->status.code() != StatusCode::kNothingToSolve) return w.summary->status;
+  }
+  w.ReadStates();
+  return {};
+}
+
+WindowPhase SlidingWindow::phase() const {
+  return impl_->phase;
+}
+const WindowState& SlidingWindow::newest() const {
+  return impl_->newest;
+}
+WindowView SlidingWindow::view() const {
+  return {impl_->frames,
+          std::span<const WindowLandmark>(impl_->landmarks).first(impl_->num_landmarks)};
+}
+const Problem& SlidingWindow::problem() const {
+  return impl_->problem;
+}
+const SolveSummary& SlidingWindow::summary() const {
+  static const SolveSummary none;
+  return impl_->summary != nullptr ? *impl_->summary : none;
+}
+const WindowEventCounts& SlidingWindow::total_events() const {
+  return impl_->total;
+}
+const WindowEventCounts& SlidingWindow::recent_events() const {
+  return impl_->recent;
+}
+
+Status SlidingWindow::NewestCovariance(std::span<double> covariance) {
+  Impl& w = *impl_;
+  if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
+  const WindowFrame& last = w.frames.back();
+  const std::size_t size = last.HasSpeedBias() ? 15 : 6;
+  if (covariance.size() != size * size) {
+    return {StatusCode::kInvalidArgument, size == 15 ? "covariance must have 15 x 15 numbers"
+                                                     : "covariance must have 6 x 6 numbers"};
+  }
+  CovarianceOptions options;
+  options.gauge = w.WindowGauge();
+  if (Status s = w.covariance.Compute(&w.problem, options); !s.ok()) return s;
+  const auto joint = last.HasSpeedBias() ? w.covariance.Joint({last.pose, last.speed_bias})
+                                         : w.covariance.Joint({AnyVertex(last.pose)});
+  if (!joint.ok()) return joint.status();
+  std::copy(joint->values.begin(), joint->values.end(), covariance.begin());
+  return {};
+}
+
+Result<NullspaceReport> SlidingWindow::CheckNullspace() {
+  NullspaceOptions options;
+  options.group = impl_->HasImu() ? GaugeGroup::kVisualInertial : GaugeGroup::kStereo;
+  return impl_->problem.CheckNullspace(options);
+}
+
+}  // namespace glissade

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "glissade/covariance/covariance.h"
+#include "glissade/imu/buffer.h"
+#include "glissade/imu/preintegration.h"
+#include "glissade/problem/problem.h"
+#include "glissade/window/sliding_window.h"
+#include "window/track_table.h"
+
+namespace glissade {
+
+/// What the steps of a window share. Frames are few and stand in the order of time; landmarks are
+/// found by their track.
+struct SlidingWindow::Impl {
+  explicit Impl(SlidingWindowOptions o);
+
+  SlidingWindowOptions options;
+  Status options_status;
+  WindowPhase phase = WindowPhase::kInitializing;
+  Problem problem;
+  ImuBuffer imu;
+
+  std::vector<WindowFrame> frames;
+  /// What the IMU term that leads to each frame was made of; same order as frames.
+  std::vector<ImuPreintegration> preintegrations;
+  std::int64_t next_frame_id = 0;
+  std::int64_t last_stamp_ns = 0;  ///< of the last frame taken, also before the first state
+
+  /// The first num_landmarks are in use; the rest keep their storage for those to come.
+  std::vector<WindowLandmark> landmarks;
+  std::size_t num_landmarks = 0;
+  internal::TrackTable tracks;
+
+  WindowState newest;
+  const SolveSummary* summary = nullptr;  ///< problem's own
+  WindowEventCounts total, recent;
+
+  // Storage of the steps.
+  ImuInterval interval;
+  WindowPlan plan;
+  std::vector<TriangulationView> views;
+  std::vector<AnyVertex> leaving;
+  std::vector<Pose> cameras_in_world;
+  Covariance covariance;
+
+  [[nodiscard]] bool HasImu() const { return options.imu_noise.has_value(); }
+  [[nodiscard]] Vector3 Gravity() const { return Vector3(0.0, 0.0, -options.gravity); }
+  [[nodiscard]] std::span<WindowLandmark> Landmarks() {
+    return std::span<WindowLandmark>(landmarks).first(num_landmarks);
+  }
+  /// -1 where the frame has left.
+  [[nodiscard]] int FrameIndex(std::int64_t id) const;
+  void Count(WindowEvent event, std::int64_t times = 1);
+  [[nodiscard]] Gauge WindowGauge() const;
+
+  /// The first frame, with a prior on what is believed of it.
+  Status Start(std::int64_t stamp_ns, const Pose& T_w_b, const VertexSpeedBias& speed_bias,
+               const Vector<11>& sigmas);
+  /// Adds a frame at a state; without a term that ties it to others.
+  Status AppendFrame(std::int64_t stamp_ns, const Pose& T_w_b, const VertexSpeedBias& speed_bias);
+  /// Whether the first state could be found at this stamp; then the first frame is there.
+  Status TryToStart(std::int64_t stamp_ns);
+  /// Integrates from one stamp to another into *preintegration, counting gaps and saturation.
+  Status Integrate(std::int64_t begin_ns, std::int64_t end_ns, const ImuBias& bias,
+                   ImuPreintegration* preintegration);
+  Status AddImuTerm(const ImuPreintegration& preintegration, WindowFrame* from, WindowFrame* to);
+
+  /// The landmark of a track; a new one where there is none.
+  WindowLandmark& LandmarkOf(std::int64_t track);
+  /// The last one takes its place.
+  void ForgetLandmark(std::size_t index);
+  /// Takes a landmark out of the graph without a trace; it may be triangulated again.
+  Status RemoveFromGraph(WindowLandmark* landmark);
+  Status AddObservationEdge(WindowLandmark* landmark, LandmarkObservation* observation);
+  /// T_w_c of every camera of every frame: [frame * cameras + camera].
+  void UpdateCamerasInWorld();
+  [[nodiscard]] const Pose& CameraInWorld(int frame, int camera) const {
+    return cameras_in_world[static_cast<std::size_t>(frame) * options.cameras.size() +
+                            static_cast<std::size_t>(camera)];
+  }
+  void ReadStates();
+
+  // Of Slide().
+  void CompletePlan();
+  Status DropObservationsOf(const std::vector<bool>& leaves);
+  Status JoinImuTerms(int frame);
+};
+
+}  // namespace glissade
