@@ -97,7 +97,6 @@ Status SlidingWindow::Associate(std::span<const FrameObservation> observations) 
       w.Count(WindowEvent::kObservationRefused);
     }
   }
-  if (frame.num_observations == 0) w.Count(WindowEvent::kFrameWithoutLandmarks);
   return {};
 }
 
@@ -146,6 +145,7 @@ Status SlidingWindow::TriangulateTracks() {
     }
     w.Count(WindowEvent::kLandmarkTriangulated);
   }
+  if (w.frames.back().num_observations == 0) w.Count(WindowEvent::kFrameWithoutLandmarks);
   return {};
 }
 

@@ -10,14 +10,20 @@
 
 namespace glissade {
 
-Status SlidingWindow::Impl::Start(std::int64_t stamp_ns, const Pose& T_w_b,
-                                  const VertexSpeedBias& speed_bias, const Vector<11>& sigmas) {
-  if (Status s = AppendFrame(stamp_ns, T_w_b, speed_bias); !s.ok()) return s;
+Status SlidingWindow::Impl::Start(const WindowState& state, const InitialSigmas& sigmas) {
+  if (Status s = sigmas.Validate(); !s.ok()) return s;
+  if (Status s = AppendFrame(state.stamp_ns, state.T_w_b, state.speed_bias); !s.ok()) return s;
+  frames.back().is_keyframe = true;
   if (HasImu()) {
+    Vector<11> inverse;
+    inverse.head<2>().setConstant(1.0 / sigmas.tilt);
+    inverse.segment<3>(2).setConstant(1.0 / sigmas.speed);
+    inverse.segment<3>(5).setConstant(1.0 / sigmas.accel_bias);
+    inverse.segment<3>(8).setConstant(1.0 / sigmas.gyro_bias);
     const WindowFrame& frame = frames.back();
-    const auto prior =
-        problem.AddEdge(EdgeInitialState{T_w_b, speed_bias}, {frame.pose, frame.speed_bias},
-                        {.sqrt_information = SquareMatrix<11>(sigmas.cwiseInverse().asDiagonal())});
+    const auto prior = problem.AddEdge(
+        EdgeInitialState{state.T_w_b, state.speed_bias}, {frame.pose, frame.speed_bias},
+        {.sqrt_information = SquareMatrix<11>(inverse.asDiagonal())});
     if (!prior.ok()) return prior.status();
   }
   phase = WindowPhase::kRunning;
@@ -25,8 +31,16 @@ Status SlidingWindow::Impl::Start(std::int64_t stamp_ns, const Pose& T_w_b,
   return {};
 }
 
+Status SlidingWindow::Start(const WindowState& state, const InitialSigmas& sigmas) {
+  if (!impl_->options_status.ok()) return impl_->options_status;
+  if (impl_->phase != WindowPhase::kInitializing) {
+    return {StatusCode::kInvalidArgument, "the window has a first state already"};
+  }
+  return impl_->Start(state, sigmas);
+}
+
 Status SlidingWindow::Impl::TryToStart(std::int64_t stamp_ns) {
-  if (!HasImu()) return Start(stamp_ns, Pose(), {}, Vector<11>::Ones());
+  if (!HasImu()) return Start({stamp_ns, Pose(), {}}, options.initial);
   if (Status s = imu.Between(stamp_ns - 500'000'000, stamp_ns, &interval); !s.ok()) return {};
   Vector3 gyro = Vector3::Zero(), accel = Vector3::Zero();
   for (const ImuSample& sample : interval.samples) {
@@ -37,13 +51,9 @@ Status SlidingWindow::Impl::TryToStart(std::int64_t stamp_ns) {
   accel /= static_cast<double>(interval.samples.size());
   // R_w_b takes the mean specific force to the vertical, with yaw 0.
   const Quaternion q = Quaternion::FromTwoVectors(accel, Vector3::UnitZ());
-  Vector<11> sigmas;
-  sigmas.head<2>().setConstant(options.prior_sigma_tilt);
-  sigmas.segment<3>(2).setConstant(options.prior_sigma_speed);
-  sigmas.segment<3>(5).setConstant(options.prior_sigma_accel_bias);
-  sigmas.segment<3>(8).setConstant(options.prior_sigma_gyro_bias);
-  return Start(stamp_ns, Pose(q, Vector3::Zero()),
-               VertexSpeedBias(Vector3::Zero(), Vector3::Zero(), gyro), sigmas);
+  return Start(
+      {stamp_ns, Pose(q, Vector3::Zero()), VertexSpeedBias(Vector3::Zero(), Vector3::Zero(), gyro)},
+      options.initial);
 }
 
 Status SlidingWindow::Reset() {
@@ -58,12 +68,10 @@ Status SlidingWindow::Reset() {
   w.tracks.Clear();
   w.summary = nullptr;
   w.Count(WindowEvent::kReset);
-  Vector<11> sigmas;
-  sigmas.head<2>().setConstant(0.05);
-  sigmas.segment<3>(2).setConstant(0.5);
-  sigmas.segment<3>(5).setConstant(w.options.prior_sigma_accel_bias);
-  sigmas.segment<3>(8).setConstant(w.options.prior_sigma_gyro_bias);
-  return w.Start(state.stamp_ns, state.T_w_b, state.speed_bias, sigmas);
+  InitialSigmas sigmas = w.options.initial;
+  sigmas.tilt = std::max(sigmas.tilt, 0.05);
+  sigmas.speed = std::max(sigmas.speed, 0.5);
+  return w.Start(state, sigmas);
 }
 
 }  // namespace glissade

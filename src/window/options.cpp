@@ -9,6 +9,13 @@
 
 namespace glissade {
 
+Status InitialSigmas::Validate() const {
+  if (Status s = ValidatePositive(tilt, "sigma of the tilt"); !s.ok()) return s;
+  if (Status s = ValidatePositive(speed, "sigma of the speed"); !s.ok()) return s;
+  if (Status s = ValidatePositive(accel_bias, "sigma of the accelerometer bias"); !s.ok()) return s;
+  return ValidatePositive(gyro_bias, "sigma of the gyroscope bias");
+}
+
 SlidingWindowOptions::SlidingWindowOptions() : loss(Huber{2.0}) {}
 
 Status SlidingWindowOptions::Validate() const {
@@ -37,14 +44,7 @@ Status SlidingWindowOptions::Validate() const {
   if (min_observations < 2) {
     return {StatusCode::kInvalidArgument, "min_observations must be at least 2"};
   }
-  if (Status s = ValidatePositive(prior_sigma_accel_bias, "prior_sigma_accel_bias"); !s.ok()) {
-    return s;
-  }
-  if (Status s = ValidatePositive(prior_sigma_gyro_bias, "prior_sigma_gyro_bias"); !s.ok()) {
-    return s;
-  }
-  if (Status s = ValidatePositive(prior_sigma_tilt, "prior_sigma_tilt"); !s.ok()) return s;
-  if (Status s = ValidatePositive(prior_sigma_speed, "prior_sigma_speed"); !s.ok()) return s;
+  if (Status s = initial.Validate(); !s.ok()) return s;
   if (max_frame_gap_ns <= 0) {
     return {StatusCode::kNotPositive, "max_frame_gap_ns must be > 0"};
   }

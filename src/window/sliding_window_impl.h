@@ -60,8 +60,7 @@ struct SlidingWindow::Impl {
   [[nodiscard]] Gauge WindowGauge() const;
 
   /// The first frame, with a prior on what is believed of it.
-  Status Start(std::int64_t stamp_ns, const Pose& T_w_b, const VertexSpeedBias& speed_bias,
-               const Vector<11>& sigmas);
+  Status Start(const WindowState& state, const InitialSigmas& sigmas);
   /// Adds a frame at a state; without a term that ties it to others.
   Status AppendFrame(std::int64_t stamp_ns, const Pose& T_w_b, const VertexSpeedBias& speed_bias);
   /// Whether the first state could be found at this stamp; then the first frame is there.

@@ -29,6 +29,17 @@ struct KeyframeRules {
   double max_interval_s = 2.0;
 };
 
+/// How well a first state is known: standard deviations, each coordinate. Position and heading are
+/// those of the world by definition.
+struct InitialSigmas {
+  double tilt = 0.1;        ///< rad
+  double speed = 0.1;       ///< m/s
+  double accel_bias = 0.1;  ///< m/s^2
+  double gyro_bias = 0.01;  ///< rad/s
+
+  [[nodiscard]] Status Validate() const;
+};
+
 /// What SlidingWindow is told once.
 struct SlidingWindowOptions {
   std::vector<WindowCamera> cameras;
@@ -50,12 +61,8 @@ struct SlidingWindowOptions {
   /// A landmark with fewer observations than this in the window says nothing and is taken out.
   int min_observations = 2;
 
-  /// Standard deviations of what is believed of the biases before anything is measured.
-  double prior_sigma_accel_bias = 0.1;  ///< m/s^2
-  double prior_sigma_gyro_bias = 0.01;  ///< rad/s
-  /// Of the tilt with which the first frame starts, rad, and of its speed, m/s.
-  double prior_sigma_tilt = 0.1;
-  double prior_sigma_speed = 0.1;
+  /// Of the first state.
+  InitialSigmas initial;
 
   /// A frame whose stamp is further than this behind the last one is refused: a clock that jumped.
   std::int64_t max_frame_gap_ns = 10'000'000'000;

@@ -66,6 +66,9 @@ class SlidingWindow {
   /// IMU does not reach yet (kInvalidArgument: add samples and call again).
   Status AddFrame(std::int64_t stamp_ns, std::span<const FrameObservation> observations,
                   KeyframeChoice keyframe = KeyframeChoice::kByRules);
+  /// Instead of finding the first state in what is measured: begins at this one, for whoever knows
+  /// it. The next frame is a later one. Refused once the window runs.
+  Status Start(const WindowState& state, const InitialSigmas& sigmas);
   /// Nothing to do, and ok, before the first state is there.
   Status Optimize(const WindowBudget& budget = {});
 

@@ -1,0 +1,238 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/window/sliding_window.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "glissade/problem/problem.h"
+#include "window/window_run.h"
+
+namespace glissade {
+namespace {
+
+using test::MakeFlight;
+using test::OptionsFor;
+using test::RunWindow;
+using test::WindowRun;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST(SlidingWindow, FollowsAFlightWithTwoCamerasAndImu) {
+  const Viotracks flight = MakeFlight(1);
+  SlidingWindow window(OptionsFor(flight));
+  double kappa = 0.0;
+  const WindowRun run = RunWindow(flight, &window, {}, [&](std::size_t frame, SlidingWindow& w) {
+    EXPECT_LE(w.view().frames.size(), 10u);
+    if (frame % 10 != 0) return;
+    const auto report = w.CheckNullspace();
+    ASSERT_TRUE(report.ok()) << report.status().message();
+    kappa = std::max(kappa, report->MaxKappa());
+  });
+  EXPECT_EQ(run.refused_frames, 0);
+  EXPECT_LT(run.rms_position_m, 0.10);
+  EXPECT_GT(window.total_events()[WindowEvent::kKeyframe], 5);
+  EXPECT_GT(window.total_events()[WindowEvent::kLandmarkMarginalized], 20);
+  // First estimates everywhere: nobody knows the heading, however often the window slid.
+  EXPECT_LT(kappa, 1e-11);
+}
+
+TEST(SlidingWindow, FollowsAFlightWithOneCameraAndImu) {
+  const Viotracks flight = MakeFlight(2);
+  SlidingWindow window(OptionsFor(flight, 1));
+  const WindowRun run = RunWindow(flight, &window);
+  EXPECT_EQ(run.refused_frames, 0);
+  EXPECT_LT(run.rms_position_m, 0.25);
+}
+
+TEST(SlidingWindow, FollowsAFlightWithTwoCamerasAlone) {
+  Viotracks flight = MakeFlight(3);
+  flight.imu_noise.reset();
+  flight.imu.clear();
+  SlidingWindow window(OptionsFor(flight));
+  const WindowRun run = RunWindow(flight, &window);
+  EXPECT_EQ(run.refused_frames, 0);
+  EXPECT_LT(run.rms_position_m, 0.30);
+}
+
+TEST(SlidingWindow, EveryPolicyKeepsTheWindowBoundedAndTheFlightFollowed) {
+  const Viotracks flight = MakeFlight(4);
+  const std::shared_ptr<WindowPolicy> policies[] = {
+      std::make_shared<OkvisPolicy>(3, 5), std::make_shared<TwoWayPolicy>(8),
+      std::make_shared<LeastSeenKeyframePolicy>(3, 5), std::make_shared<FixedLagPolicy>(0.8)};
+  for (const auto& policy : policies) {
+    SlidingWindowOptions options = OptionsFor(flight);
+    options.policy = policy;
+    SlidingWindow window(options);
+    std::size_t most = 0;
+    const WindowRun run = RunWindow(flight, &window, {}, [&](std::size_t, SlidingWindow& w) {
+      most = std::max(most, w.view().frames.size());
+    });
+    EXPECT_LE(most, 10u);
+    EXPECT_EQ(run.refused_frames, 0);
+    EXPECT_LT(run.rms_position_m, 0.15);
+  }
+}
+
+TEST(SlidingWindow, SameInputSameBits) {
+  const Viotracks flight = MakeFlight(5);
+  SlidingWindow a(OptionsFor(flight)), b(OptionsFor(flight));
+  const WindowRun first = RunWindow(flight, &a), second = RunWindow(flight, &b);
+  ASSERT_EQ(first.estimates.size(), second.estimates.size());
+  for (std::size_t k = 0; k < first.estimates.size(); ++k) {
+    ASSERT_EQ(first.estimates[k].T_w_b, second.estimates[k].T_w_b);
+    for (int i = 0; i < 9; ++i)
+      ASSERT_EQ(first.estimates[k].speed_bias.data[i], second.estimates[k].speed_bias.data[i]);
+  }
+}
+
+TEST(SlidingWindow, TheBooksAgreeWithTheGraph) {
+  const Viotracks flight = MakeFlight(6);
+  SlidingWindow window(OptionsFor(flight));
+  RunWindow(flight, &window, {}, [](std::size_t, SlidingWindow& w) {
+    const WindowView view = w.view();
+    const Problem& problem = w.problem();
+    int observations = 0, points = 0;
+    for (const WindowLandmark& landmark : view.landmarks) {
+      points += landmark.InGraph() ? 1 : 0;
+      EXPECT_EQ(landmark.InGraph(), problem.Contains(landmark.point));
+      std::int64_t before = -1;
+      for (const LandmarkObservation& o : landmark.observations) {
+        EXPECT_GE(o.frame, before);
+        before = o.frame;
+        EXPECT_EQ(landmark.InGraph(), problem.Contains(AnyEdge(o.edge)));
+        observations += landmark.InGraph() ? 1 : 0;
+      }
+    }
+    EXPECT_EQ(points, problem.NumVertices<VertexPointXYZ>());
+    EXPECT_EQ(observations, problem.NumEdges<EdgeReprojectionXYZ>());
+    int counted = 0, states = 0;
+    for (const WindowFrame& frame : view.frames) {
+      counted += frame.num_observations;
+      states += frame.HasSpeedBias() ? 1 : 0;
+      EXPECT_TRUE(problem.Contains(frame.pose));
+      EXPECT_EQ(problem.Get(frame.pose).pose, frame.T_w_b);
+    }
+    EXPECT_EQ(counted, observations);
+    EXPECT_EQ(states, problem.NumVertices<VertexSpeedBias>());
+    EXPECT_EQ(static_cast<int>(view.frames.size()), problem.NumVertices<VertexPose>());
+  });
+}
+
+TEST(SlidingWindow, TheNewestCovarianceIsSymmetricAndPositive) {
+  const Viotracks flight = MakeFlight(7);
+  SlidingWindow window(OptionsFor(flight));
+  RunWindow(flight, &window, {}, [](std::size_t frame, SlidingWindow& w) {
+    if (frame % 20 != 0) return;
+    std::vector<double> covariance(15 * 15);
+    ASSERT_TRUE(w.NewestCovariance(covariance).ok());
+    const Eigen::Map<const Eigen::MatrixXd> P(covariance.data(), 15, 15);
+    EXPECT_LT((P - P.transpose()).norm(), 1e-12 * P.norm());
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(P).eigenvalues().minCoeff(), 0.0);
+    EXPECT_FALSE(w.NewestCovariance(std::span<double>(covariance).first(36)).ok());
+  });
+}
+
+TEST(SlidingWindow, ASceneWithoutFeaturesIsBridgedByTheImu) {
+  const Viotracks flight = MakeFlight(8);
+  SlidingWindow window(OptionsFor(flight));
+  const WindowRun run = RunWindow(flight, &window,
+                                  [](std::size_t frame, std::int64_t*, std::vector<ImuSample>*,
+                                     std::vector<FrameObservation>* observations) {
+                                    if (frame >= 40 && frame < 45) observations->clear();
+                                    return true;
+                                  });
+  EXPECT_EQ(window.total_events()[WindowEvent::kFrameWithoutLandmarks], 5);
+  EXPECT_LT(run.rms_position_m, 0.3);
+}
+
+TEST(SlidingWindow, WhatIsNoObservationIsCountedAndLeftOut) {
+  const Viotracks flight = MakeFlight(9);
+  SlidingWindow window(OptionsFor(flight));
+  RunWindow(
+      flight, &window,
+      [](std::size_t frame, std::int64_t*, std::vector<ImuSample>*,
+         std::vector<FrameObservation>* observations) {
+        if (frame != 30) return true;
+        const FrameObservation good = observations->front();
+        observations->push_back(good);  // twice in one image
+        observations->push_back({100000, 0, kNaN, 10.0});
+        observations->push_back({100001, 7, 10.0, 10.0});
+        observations->push_back({100002, -1, 10.0, 10.0});
+        observations->push_back({100003, 1, 10.0, std::numeric_limits<double>::infinity()});
+        return true;
+      },
+      [](std::size_t frame, SlidingWindow& w) {
+        EXPECT_EQ(w.recent_events()[WindowEvent::kObservationRefused], frame == 30 ? 5 : 0);
+      });
+}
+
+TEST(SlidingWindow, FramesThatMakeNoSenseAreRefusedAndChangeNothing) {
+  const Viotracks flight = MakeFlight(10);
+  SlidingWindow window(OptionsFor(flight));
+  RunWindow(flight, &window, {}, [&](std::size_t frame, SlidingWindow& w) {
+    if (frame != 20) return;
+    const std::int64_t stamp = w.newest().stamp_ns;
+    const Pose before = w.newest().T_w_b;
+    const auto refuse = [&](std::int64_t t) {
+      const Status s = w.AddFrame(t, {});
+      EXPECT_EQ(s.code(), StatusCode::kInvalidArgument) << s.message();
+      EXPECT_EQ(w.newest().T_w_b, before);
+      EXPECT_EQ(w.newest().stamp_ns, stamp);
+    };
+    refuse(stamp);                                     // again
+    refuse(stamp - 100'000'000);                       // out of order
+    refuse(stamp + 3'600'000'000'000);                 // an hour ahead
+    refuse(stamp + 5'000'000'000);                     // where no IMU sample is yet
+    refuse(std::numeric_limits<std::int64_t>::min());  // garbage
+    refuse(std::numeric_limits<std::int64_t>::max());
+  });
+}
+
+TEST(SlidingWindow, OptionsThatMakeNoSenseRefuseEveryCall) {
+  const Viotracks flight = MakeFlight(11);
+  const auto code = [](const SlidingWindowOptions& options) {
+    SlidingWindow window(options);
+    const Status s = window.AddFrame(0, {});
+    EXPECT_FALSE(s.ok());
+    EXPECT_EQ(window.Optimize().code(), s.code());
+    EXPECT_EQ(window.Start({}, {}).code(), s.code());
+    return s.code();
+  };
+  SlidingWindowOptions options = OptionsFor(flight);
+  options.cameras.clear();
+  EXPECT_EQ(code(options), StatusCode::kInvalidArgument);
+  options = OptionsFor(flight, 1);
+  options.imu_noise.reset();
+  EXPECT_EQ(code(options), StatusCode::kInvalidArgument);
+  options = OptionsFor(flight);
+  options.cameras[1].fx = 0.0;
+  EXPECT_EQ(code(options), StatusCode::kNotPositive);
+  options = OptionsFor(flight);
+  options.max_chi2 = kNaN;
+  EXPECT_NE(code(options), StatusCode::kOk);
+  options = OptionsFor(flight);
+  options.min_observations = 1;
+  EXPECT_EQ(code(options), StatusCode::kInvalidArgument);
+}
+
+TEST(SlidingWindow, AResetKeepsGoing) {
+  const Viotracks flight = MakeFlight(12);
+  SlidingWindow window(OptionsFor(flight));
+  const WindowRun run = RunWindow(flight, &window, {}, [](std::size_t frame, SlidingWindow& w) {
+    if (frame != 60) return;
+    const WindowState before = w.newest();
+    ASSERT_TRUE(w.Reset().ok());
+    EXPECT_EQ(w.newest().T_w_b, before.T_w_b);
+    EXPECT_EQ(w.phase(), WindowPhase::kRunning);
+    EXPECT_EQ(w.view().frames.size(), 1u);
+  });
+  EXPECT_EQ(window.total_events()[WindowEvent::kReset], 1);
+  EXPECT_LT(run.rms_position_m, 0.2);
+}
+
+}  // namespace
+}  // namespace glissade
