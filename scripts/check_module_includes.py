@@ -15,7 +15,7 @@ import sys
 # One direction only. A module may use those before it. Testing (the public checkers) comes last: it is
 # for tests and users, no module may lean on it.
 MODULES = (
-    "base lie kernels vertices losses cameras edges lanes graph structure linear gauge "
+    "base lie kernels vertices eval losses cameras edges lanes graph structure linear gauge "
     "minimizer marginal covariance problem imu window io sim bridge testing"
 ).split()
 

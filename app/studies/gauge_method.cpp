@@ -116,7 +116,7 @@ Result<GaugeRun> RunGauge(const sim::ViProblem& problem, GaugeMethod method, dou
 }
 
 sim::ViStates MovedToStart(const sim::ViStates& states, const sim::ViProblem& problem) {
-  return sim::Moved(states, sim::AlignPose(states.poses[0], problem.start.poses[0]));
+  return sim::Moved(states, eval::AlignPose(states.poses[0].pose, problem.start.poses[0].pose));
 }
 
 }  // namespace glissade::app

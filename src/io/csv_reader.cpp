@@ -33,11 +33,12 @@ std::string_view WithoutPlus(std::string_view word) {
 
 }  // namespace
 
-Result<CsvReader> CsvReader::Open(const std::string& path) {
+Result<CsvReader> CsvReader::Open(const std::string& path, char separator) {
   auto source = OpenByteSource(path);
   if (!source.ok()) return source.status();
   CsvReader reader;
   reader.path_ = path;
+  reader.separator_ = separator;
   reader.source_ = std::move(source).value();
   reader.buffer_.resize(kBufferSize);
   return reader;
@@ -103,11 +104,14 @@ bool CsvReader::NextRow() {
     if (!NextLine()) return false;
     text_ = Trimmed(text_);
   } while (text_.empty() || text_[0] == '#');
+  const std::string_view separators = separator_ == ' ' ? " \t" : ",";
   while (true) {
-    const std::size_t comma = text_.find(',');
-    fields_.push_back(Trimmed(text_.substr(0, comma)));
-    if (comma == std::string_view::npos) return true;
-    text_.remove_prefix(comma + 1);
+    const std::size_t end = text_.find_first_of(separators);
+    fields_.push_back(Trimmed(text_.substr(0, end)));
+    if (end == std::string_view::npos) return true;
+    text_.remove_prefix(end + 1);
+    // Any number of blanks separates.
+    if (separator_ == ' ') text_ = Trimmed(text_);
   }
 }
 

@@ -13,12 +13,13 @@
 
 namespace glissade::internal {
 
-/// Reads a table of comma-separated numbers, plain or compressed, row by row. Empty lines and lines
-/// that start with # are skipped; white space around a field is. The first thing that goes wrong is
-/// kept as status() = "path:line: what"; from then on NextRow() is false and fields read as 0.
+/// Reads a table of numbers, plain or compressed, row by row: separated by commas, or by white
+/// space (separator ' '). Empty lines and lines that start with # are skipped; white space around a
+/// field is. The first thing that goes wrong is kept as status() = "path:line: what"; from then on
+/// NextRow() is false and fields read as 0.
 class CsvReader {
  public:
-  static Result<CsvReader> Open(const std::string& path);
+  static Result<CsvReader> Open(const std::string& path, char separator = ',');
 
   [[nodiscard]] bool ok() const { return status_.ok(); }
   [[nodiscard]] const Status& status() const { return status_; }
@@ -30,6 +31,12 @@ class CsvReader {
   [[nodiscard]] int num_fields() const { return static_cast<int>(fields_.size()); }
   /// Fails unless the row has this many fields.
   void ExpectFields(int n, std::string_view what);
+  /// A field of the present row as it is; empty where there is none.
+  [[nodiscard]] std::string_view Text(int field) const {
+    return field < num_fields() ? fields_[static_cast<std::size_t>(field)] : std::string_view();
+  }
+  /// Fails: expected so and so (of this kind), found that.
+  void FailExpected(int field, std::string_view what, std::string_view rule);
   /// A field of the present row; fails where there is none, or where it is something else.
   double Number(int field, std::string_view what);
   void Numbers(int first, int n, double* to, std::string_view what);
@@ -40,9 +47,9 @@ class CsvReader {
   CsvReader() = default;
   friend class Result<CsvReader>;
   bool NextLine();
-  void FailExpected(int field, std::string_view what, std::string_view rule);
 
   std::string path_;
+  char separator_ = ',';
   std::unique_ptr<ByteSource> source_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // not yet looked at

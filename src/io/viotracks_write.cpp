@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <charconv>
 #include <filesystem>
 #include <string>
 
 #include "glissade/base/validate.h"
 #include "glissade/io/viotracks.h"
+#include "io/csv_row.h"
+#include "io/ground_truth.h"
 #include "io/text_writer.h"
 
 namespace glissade {
@@ -13,6 +14,7 @@ namespace glissade {
 namespace {
 
 using internal::TextWriter;
+using Row = internal::CsvRow;
 
 Status Refused(const std::string& what) {
   return {StatusCode::kInvalidArgument, "VIOTRACKS: " + what};
@@ -54,51 +56,6 @@ Status CheckFrames(const Viotracks& recording) {
   }
   return {};
 }
-
-Status CheckTruth(const std::vector<GroundTruthState>& truth) {
-  for (std::size_t k = 0; k < truth.size(); ++k) {
-    if (k > 0 && truth[k].stamp_ns <= truth[k - 1].stamp_ns) {
-      return Refused("ground truth: stamps must increase");
-    }
-    if (truth[k].speed_bias.has_value() != truth[0].speed_bias.has_value()) {
-      return Refused("ground truth: speeds and biases at some stamps only");
-    }
-    if (Status s = ValidatePose(truth[k].T_w_b.data, "ground truth"); !s.ok()) return s;
-    if (truth[k].speed_bias) {
-      if (Status s = ValidateFinite(truth[k].speed_bias->data, 9, "ground truth"); !s.ok()) {
-        return s;
-      }
-    }
-  }
-  return {};
-}
-
-/// One line of a table, or a value of the JSON file: numbers with as few digits as give the bits.
-class Row {
- public:
-  Row& Number(double x) {
-    char text[32];
-    const auto [end, error] = std::to_chars(text, text + sizeof(text), x);
-    static_cast<void>(error);  // the longest has 24 characters
-    return Add(std::string_view(text, static_cast<std::size_t>(end - text)));
-  }
-  template <class List>
-  Row& Numbers(const List& x, int n) {
-    for (int i = 0; i < n; ++i)
-      Number(x[i]);
-    return *this;
-  }
-  Row& Integer(std::int64_t x) { return Add(std::to_string(x)); }
-  [[nodiscard]] const std::string& text() const { return text_; }
-
- private:
-  Row& Add(std::string_view word) {
-    if (!text_.empty()) text_ += ", ";
-    text_ += word;
-    return *this;
-  }
-  std::string text_;
-};
 
 std::string Member(const char* name, double x) {
   return "\"" + std::string(name) + "\": " + Row().Number(x).text();
@@ -159,17 +116,6 @@ Status WriteTable(const std::string& path, const char* header, const List& rows,
   return writer->Close();
 }
 
-Row TruthRow(const GroundTruthState& state) {
-  const double* pose = state.T_w_b.data;  // p, then x y z w
-  Row row;
-  row.Integer(state.stamp_ns).Numbers(pose, 3).Number(pose[6]).Numbers(pose + 3, 3);
-  if (state.speed_bias) {
-    const VertexSpeedBias& s = *state.speed_bias;
-    row.Numbers(s.v(), 3).Numbers(s.bg(), 3).Numbers(s.ba(), 3);
-  }
-  return row;
-}
-
 }  // namespace
 
 Status Viotracks::Validate() const {
@@ -188,7 +134,7 @@ Status Viotracks::Validate() const {
     if (Status s = ValidateFinite(sample.accel.data(), 3, "accelerometer"); !s.ok()) return s;
   }
   if (Status s = CheckFrames(*this); !s.ok()) return s;
-  return CheckTruth(ground_truth);
+  return internal::CheckGroundTruth(ground_truth);
 }
 
 Status WriteViotracks(const Viotracks& recording, const std::string& folder) {
@@ -233,12 +179,7 @@ Status WriteViotracks(const Viotracks& recording, const std::string& folder) {
     }
   }
   if (recording.ground_truth.empty()) return {};
-  return WriteTable((to / "groundtruth.csv.gz").string(),
-                    recording.ground_truth[0].speed_bias
-                        ? "# timestamp_ns, px, py, pz, qw, qx, qy, qz, vx, vy, vz, bgx, bgy, bgz, "
-                          "bax, bay, baz"
-                        : "# timestamp_ns, px, py, pz, qw, qx, qy, qz",
-                    recording.ground_truth, TruthRow);
+  return WriteEurocGroundTruth(recording.ground_truth, (to / "groundtruth.csv.gz").string());
 }
 
 }  // namespace glissade

@@ -16,23 +16,15 @@ double AngleBetween(const VertexPose& a, const VertexPose& b) {
   return so3::Log(Quaternion(a.pose.q().conjugate() * b.pose.q())).norm();
 }
 
-}  // namespace
-
-YawTranslation AlignPose(const VertexPose& estimate, const VertexPose& truth) {
-  const Quaternion q = estimate.pose.q() * truth.pose.q().conjugate();
-  YawTranslation motion;
-  motion.yaw = -2.0 * std::atan2(q.z(), q.w());
-  const Matrix3 R = so3::Exp(Vector3(0, 0, motion.yaw));
-  const Vector3 t = truth.pose.p() - R * estimate.pose.p();
-  for (int i = 0; i < 3; ++i)
-    motion.t[i] = t[i];
-  return motion;
+eval::Alignment AlignedToFirst(const ViStates& estimate, const ViStates& truth) {
+  return eval::AlignPose(estimate.poses[0].pose, truth.poses[0].pose);
 }
 
-ViStates Moved(const ViStates& states, const YawTranslation& motion) {
-  const Vector3 axis(0, 0, motion.yaw), t(motion.t[0], motion.t[1], motion.t[2]);
-  const Pose g(so3::ExpQuaternion(axis), t);
-  const Matrix3 R = so3::Exp(axis);
+}  // namespace
+
+ViStates Moved(const ViStates& states, const eval::Alignment& motion) {
+  const Pose& g = motion.T_r_e;
+  const Matrix3 R = g.R();
   ViStates moved = states;
   for (VertexPose& x : moved.poses) {
     x.pose = g * x.pose;
@@ -41,7 +33,7 @@ ViStates Moved(const ViStates& states, const YawTranslation& motion) {
   for (VertexSpeedBias& x : moved.speed_biases)
     x.v() = Vector3(R * x.v());
   for (VertexPointXYZ& x : moved.points)
-    x.p() = Vector3(R * x.p() + t);
+    x.p() = g * Vector3(x.p());
   return moved;
 }
 
@@ -51,7 +43,7 @@ Result<ViErrors> AlignedErrors(const ViStates& estimate, const ViStates& truth) 
       truth.speed_biases.size() != n) {
     return Status(StatusCode::kInvalidArgument, "estimate and truth differ in number");
   }
-  const ViStates x = Moved(estimate, AlignPose(estimate.poses[0], truth.poses[0]));
+  const ViStates x = Moved(estimate, AlignedToFirst(estimate, truth));
   double p = 0.0, theta = 0.0, v = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
     p += (x.poses[k].pose.p() - truth.poses[k].pose.p()).squaredNorm();
@@ -76,8 +68,7 @@ ViDifference Difference(const ViStates& a, const ViStates& b) {
 }
 
 ViDifference AlignedDifference(const ViStates& a, const ViStates& b, const ViStates& truth) {
-  return Difference(Moved(a, AlignPose(a.poses[0], truth.poses[0])),
-                    Moved(b, AlignPose(b.poses[0], truth.poses[0])));
+  return Difference(Moved(a, AlignedToFirst(a, truth)), Moved(b, AlignedToFirst(b, truth)));
 }
 
 }  // namespace glissade::sim

@@ -201,10 +201,17 @@ TEST(ViProblem, RefusesWhatDoesNotMatch) {
   refused([](ViProblem& p) { p.start.points[0].data[1] = std::nan(""); });
 }
 
+/// A rotation by yaw about world z, then a translation.
+eval::Alignment Turned(double yaw, const Vector3& t) {
+  eval::Alignment motion;
+  motion.T_r_e = Pose(so3::ExpQuaternion({0, 0, yaw}), t);
+  return motion;
+}
+
 TEST(Evaluation, ErrorsDoNotDependOnTheGauge) {
   const auto problem = Measure(*MakeViWorld({}), 1);
   const auto once = AlignedErrors(problem->start, problem->truth);
-  const ViStates moved = Moved(problem->start, {.yaw = 2.5, .t = {3.0, -4.0, 5.0}});
+  const ViStates moved = Moved(problem->start, Turned(2.5, {3.0, -4.0, 5.0}));
   const auto again = AlignedErrors(moved, problem->truth);
   ASSERT_TRUE(once.ok() && again.ok());
   EXPECT_NEAR(once->position_m, again->position_m, 1e-12);
@@ -213,8 +220,7 @@ TEST(Evaluation, ErrorsDoNotDependOnTheGauge) {
   const ViDifference same = AlignedDifference(problem->start, moved, problem->truth);
   EXPECT_LT(same.position_m, 1e-12);
   EXPECT_LT(same.rotation_rad, 1e-12);
-  const auto zero =
-      AlignedErrors(Moved(problem->truth, {.yaw = -1.0, .t = {1, 2, 3}}), problem->truth);
+  const auto zero = AlignedErrors(Moved(problem->truth, Turned(-1.0, {1, 2, 3})), problem->truth);
   EXPECT_LT(zero->position_m, 1e-12);
   EXPECT_LT(zero->rotation_deg, 1e-6);
   EXPECT_FALSE(AlignedErrors({}, {}).ok());

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,12 @@ struct GroundTruthState {
 /// order, w first and the gyroscope's bias before the accelerometer's. Stamps increase;
 /// quaternions are of unit length within 1e-3 (rounded in the file) and normalized.
 [[nodiscard]] Result<std::vector<GroundTruthState>> ReadEurocGroundTruth(const std::string& path);
+
+/// Writes such a file, compressed if the name ends in .gz or .bz2; numbers have as few digits as
+/// read back to the same bits. It appears whole or not at all. Refused, and nothing written: stamps
+/// that do not increase, poses that are none, numbers that are not finite, speeds and biases at
+/// some stamps only.
+Status WriteEurocGroundTruth(std::span<const GroundTruthState> states, const std::string& path);
 
 /// timestamp_ns [, file name]: stamps of a camera, which increase.
 [[nodiscard]] Result<std::vector<std::int64_t>> ReadEurocStamps(const std::string& path);

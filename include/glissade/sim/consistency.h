@@ -7,35 +7,17 @@
 #include <vector>
 
 #include "glissade/base/matrix.h"
-#include "glissade/lie/so3.h"
+#include "glissade/eval/nees.h"
 #include "glissade/vertices/pose.h"
 
 namespace glissade::sim {
 
-/// e' P^-1 e. Infinity where P is not positive definite: an estimator that claims to know a
+/// eval::Nees, and infinity where P is not positive definite: an estimator that claims to know a
 /// direction perfectly is not to be called consistent.
-inline double NormalizedSquare(const Vector3& e, const Matrix3& P) {
-  // Cholesky, written out.
-  double L[3][3] = {}, y[3] = {}, sum = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      double x = P(i, j);
-      for (int k = 0; k < j; ++k)
-        x -= L[i][k] * L[j][k];
-      if (i == j) {
-        if (!(x > 1e-14 * P(i, i))) return std::numeric_limits<double>::infinity();
-        L[i][i] = std::sqrt(x);
-      } else {
-        L[i][j] = x / L[j][j];
-      }
-    }
-    double x = e[i];
-    for (int k = 0; k < i; ++k)
-      x -= L[i][k] * y[k];
-    y[i] = x / L[i][i];
-    sum += y[i] * y[i];
-  }
-  return sum;
+template <int = 0>
+double NormalizedSquare(const Vector3& e, const Matrix3& P) {
+  const auto nees = eval::Nees(e, P);
+  return nees.ok() ? *nees : std::numeric_limits<double>::infinity();
 }
 
 /// Normalized estimation error squared (NEES; Bar-Shalom et al., "Estimation with Applications to
