@@ -41,9 +41,9 @@ struct TimeRpe {
 };
 
 /// From each start to the pose whose stamp is nearest to interval_ns later (the earlier of two as
-/// near), if it is within the tolerance; none where the trajectory ends before. Refused: what MatchedTrajectories::Validate and the
-/// options refuse, and trajectories without a single such pair (kInvalidArgument); kNotFinite where
-/// squares overflow.
+/// near), if it is within the tolerance; none where the trajectory ends before. Refused: what
+/// MatchedTrajectories::Validate and the options refuse, and trajectories without a single such
+/// pair (kInvalidArgument); kNotFinite where squares overflow.
 [[nodiscard]] Result<TimeRpe> RpeOverTime(const MatchedTrajectories& matched,
                                           const TimeRpeOptions& options = {});
 
