@@ -10,9 +10,12 @@
 #include "common/output_file.h"
 #include "common/program.h"
 #include "glissade/io/bal.h"
+#include "glissade/io/trajectory.h"
 #include "glissade/io/viotracks.h"
 #include "glissade/io/viowin.h"
+#include "glissade/lie/so3.h"
 #include "glissade/sim/bal_scene.h"
+#include "glissade/sim/noise_source.h"
 #include "glissade/sim/recording.h"
 #include "glissade/sim/windows.h"
 
@@ -24,8 +27,8 @@ constexpr const char* kName = "make_data";
 
 constexpr const char* kDescription =
     R"(Simulates data and writes them in the formats that the other programs read: sliding windows
-(VIOWIN), a recording of a stereo camera with an IMU (VIOTRACKS), or a bundle adjustment problem
-(BAL).)";
+(VIOWIN), a recording of a stereo camera with an IMU (VIOTRACKS), what a drifting odometry might have
+made of that recording's flight (TUM trajectory), or a bundle adjustment problem (BAL).)";
 
 constexpr const char* kFooter =
     R"(The same options give the same numbers, to the rounding of the machine's log, sin and cos. The
@@ -37,6 +40,7 @@ Examples:
   make_data windows win50.txt.gz --keyframes 50 --windows 4 --seed 50
   make_data windows win11m.txt.gz --keyframes 11 --hosted-by-first 60
   make_data recording flight                       12 s, written to the folder flight
+  make_data odometry odometry.txt                  that flight as an odometry may see it
   make_data bal ring.txt.gz --cameras 100 --points 5000
 
 Exit code: 0; 2 where an option makes no sense; 1 where a file cannot be written.)";
@@ -52,9 +56,9 @@ struct Options {
 
 void AddOptions(app::Program& program, Options& o) {
   CLI::App& cli = program.cli();
-  cli.add_option("KIND", o.kind, "windows, recording or bal")
+  cli.add_option("KIND", o.kind, "windows, recording, odometry or bal")
       ->required()
-      ->check(CLI::IsMember({"windows", "recording", "bal"}));
+      ->check(CLI::IsMember({"windows", "recording", "odometry", "bal"}));
   cli.add_option("OUTPUT", o.output, "File (.txt, .txt.gz, .txt.bz2), or folder of a recording")
       ->required();
   app::AddSeed(cli, &o.seed, "Seed of everything; windows take this one and the next (default 1)");
@@ -98,6 +102,34 @@ app::Outcome MakeRecording(Options o) {
   return {};
 }
 
+/// The motion from frame to frame with noise in it, added up in a world of its own: 0.5 % of the
+/// way and 0.02 deg a frame, and its yaw and origin are others.
+app::Outcome MakeOdometry(Options o) {
+  constexpr std::uint64_t kOdometryStream = 71;
+  o.recording.seed = o.recording.world.seed = o.seed;
+  const auto recording = sim::MakeRecording(o.recording);
+  if (!recording.ok()) return app::BadInput(recording.status());
+  sim::NoiseSource noise(o.seed, kOdometryStream);
+  eval::Trajectory trajectory;
+  Pose T_o_b(so3::ExpQuaternion({0.0, 0.0, noise.Uniform(-1.0, 1.0)}), Vector3::Zero());
+  Pose before;
+  for (const GroundTruthState& state : recording->ground_truth) {
+    if (trajectory.empty()) {
+      T_o_b = T_o_b * Pose(Quaternion(state.T_w_b.q()), Vector3::Zero());
+    } else {
+      Pose step = before.Inverse() * state.T_w_b;
+      step.p() *= 1.005;
+      T_o_b = T_o_b * step * Pose(so3::ExpQuaternion(noise.Normal3(3.5e-4)), Vector3::Zero());
+    }
+    T_o_b.Normalize();
+    before = state.T_w_b;
+    trajectory.push_back({state.stamp_ns, T_o_b});
+  }
+  if (Status s = WriteTumTrajectory(trajectory, o.output); !s.ok()) return app::Failed(s);
+  app::Print("{}: {} poses, {:.2f} m\n", o.output, trajectory.size(), eval::PathLength(trajectory));
+  return {};
+}
+
 app::Outcome MakeBal(Options o) {
   o.bal.seed = o.seed;
   const auto problem = sim::MakeBalScene(o.bal);
@@ -116,6 +148,7 @@ int main(int argc, char** argv) {
   AddOptions(program, options);
   return program.Run(argc, argv, [&] {
     if (options.kind == "windows") return MakeWindows(options);
+    if (options.kind == "odometry") return MakeOdometry(options);
     return options.kind == "bal" ? MakeBal(options) : MakeRecording(options);
   });
 }

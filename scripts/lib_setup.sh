@@ -28,7 +28,7 @@ packages_build=(g++ cmake make libeigen3-dev)
 packages_app=(libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libbz2-dev)
 packages_test=(libgtest-dev libgmock-dev libbenchmark-dev python3)
 # Nice to have: without them the parts that need them are skipped, with a message.
-packages_optional=(libceres-dev)
+packages_optional=(libceres-dev python3-venv)
 
 # Tools count as there wherever they come from; libraries are asked for by package.
 package_is_here() {
@@ -98,6 +98,23 @@ need_packages() {
     return
   fi
   die "could not install ${missing[*]} (no network, no rights?). Install them and run this again: $command_line"
+}
+
+# need_evo: evo (pypi.org/project/evo), by which a test judges traj_eval, in build/evo-venv and nowhere
+# else. Of what evo wants only numpy and scipy: its figures need no plots and no ROS. Goes on without
+# where it cannot be had.
+need_evo() {
+  local venv=build/evo-venv log
+  if "$venv/bin/python" -c 'import evo.core.metrics' 2>/dev/null; then return 0; fi
+  if [[ -n ${GLISSADE_NO_INSTALL:-} ]]; then return 0; fi
+  say "installing evo in $venv"
+  log=$(mktemp)
+  if ! { python3 -m venv "$venv" && timeout 120 "$venv/bin/python" -m pip install -q --no-deps \
+    --only-binary :all: --disable-pip-version-check evo numpy scipy; } >"$log" 2>&1 </dev/null; then
+    tail -n 3 "$log" >&2
+    say "could not install evo: going on without the test that compares with it"
+  fi
+  rm -f "$log"
 }
 
 # configure PRESET [CMAKE ARGUMENT...]: prints only what a user should know.

@@ -14,4 +14,5 @@ mkdir -p "$to"
 "$bin/make_data" windows "$to/win10.txt.gz" --keyframes 10 --windows 3 --seed 101
 "$bin/make_data" windows "$to/win11m.txt.gz" --keyframes 11 --windows 1 --hosted-by-first 60 --seed 111
 "$bin/make_data" recording "$to/flight" --seed 1
+"$bin/make_data" odometry "$to/flight_odometry.txt.gz" --seed 1
 "$bin/make_data" bal "$to/ring.txt.gz" --seed 1

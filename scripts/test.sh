@@ -10,6 +10,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib_setup.sh"
 
 need_packages "${packages_build[@]}" "${packages_app[@]}" "${packages_test[@]}"
 need_packages --optional "${packages_optional[@]}"
+need_evo
 # shellcheck disable=SC2086
 configure release -DGLISSADE_BUILD_TESTS=ON -DGLISSADE_BUILD_APPS=ON ${GLISSADE_CMAKE_ARGS:-}
 say "building everything with $jobs jobs"

@@ -26,7 +26,7 @@ class MakeDataTest(AppTest):
         script = ROOT / "scripts" / "make_data.sh"
         subprocess.run([script, self.folder_of_executables, self.folder / "made"], check=True,
                        capture_output=True)
-        for name in ("win10.txt.gz", "win11m.txt.gz", "ring.txt.gz", "flight/tracks.csv.gz",
+        for name in ("win10.txt.gz", "win11m.txt.gz", "ring.txt.gz", "flight_odometry.txt.gz", "flight/tracks.csv.gz",
                      "flight/imu.csv.gz", "flight/frames.csv.gz", "flight/groundtruth.csv.gz"):
             with gzip.open(self.folder / "made" / name) as made, gzip.open(ROOT / "data" / name) as kept:
                 new, old = made.read().split(b"\n"), kept.read().split(b"\n")

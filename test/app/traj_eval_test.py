@@ -1,0 +1,214 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The glissade authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""traj_eval: known errors, what it refuses, and the same figures as evo's."""
+
+import gzip
+import json
+import math
+import os
+import pathlib
+import random
+import subprocess
+import sys
+import unittest
+
+import app_test_util
+from app_test_util import ROOT, AppTest, data_folder, main
+
+FLIGHT = ROOT / "data" / "flight"
+
+
+def product(a, b):
+    """Of quaternions x y z w."""
+    (ax, ay, az, aw), (bx, by, bz, bw) = a, b
+    return (aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz)
+
+
+def rotation(v):
+    angle = math.hypot(*v)
+    s = math.sin(angle / 2) / angle if angle > 0 else 0.5
+    return (s * v[0], s * v[1], s * v[2], math.cos(angle / 2))
+
+
+def rotated(q, v):
+    conjugate = (-q[0], -q[1], -q[2], q[3])
+    return product(product(q, (*v, 0.0)), conjugate)[:3]
+
+
+def read_truth(path):
+    """(ns, position, quaternion x y z w) of a groundtruth.csv.gz."""
+    poses = []
+    with gzip.open(path, "rt", encoding="utf-8") as file:
+        for line in file:
+            if line.startswith("#") or not line.strip():
+                continue
+            fields = line.split(",")
+            px, py, pz, qw, qx, qy, qz = map(float, fields[1:8])
+            norm = math.sqrt(qw * qw + qx * qx + qy * qy + qz * qz)
+            poses.append((int(fields[0]), (px, py, pz), (qx / norm, qy / norm, qz / norm, qw / norm)))
+    return poses
+
+
+def noisy(poses, seed, sigma_p, sigma_q, turn, shift, scale):
+    """Moved to another world, with noise pose by pose."""
+    draw = random.Random(seed)
+    g = rotation(turn)
+    result = []
+    for stamp, p, q in poses:
+        p = rotated(g, [scale * x + draw.gauss(0, sigma_p) for x in p])
+        q = product(product(g, q), rotation([draw.gauss(0, sigma_q) for _ in range(3)]))
+        result.append((stamp, tuple(x + s for x, s in zip(p, shift)), q))
+    return result
+
+
+def tum(poses):
+    return "".join(f"{t // 10**9}.{t % 10**9:09d} " + " ".join(map(repr, (*p, *q))) + "\n"
+                   for t, p, q in poses)
+
+
+def python_with_evo():
+    """A Python that has evo (scripts/test.sh makes one in build/), None where there is none."""
+    for candidate in (os.environ.get("GLISSADE_EVO_PYTHON"), ROOT / "build/evo-venv/bin/python", sys.executable):
+        if candidate and pathlib.Path(candidate).exists():
+            done = subprocess.run([candidate, "-c", "import evo.core.metrics"], capture_output=True, check=False)
+            if done.returncode == 0:
+                return candidate
+    return None
+
+
+class TrajEvalTest(AppTest):
+    app = "traj_eval"
+    numeric_options = {"--vertical": ("1,2", "0,0,0", "1,,2"), "--tolerance": ("-1",), "--max-gap": ("-1",),
+                       "--offset": (), "--interval": ("0", "-1"), "--lengths": ("0", "5,5", "5,4", "5,"),
+                       "--every": ("0", "1.5")}
+
+    def test_help_and_version(self):
+        text = self.run_ok("--help")
+        for word in ("Examples:", "Exit code:", "yaw", "se3", "sim3", "none", "--json", "TUM", "EuRoC", "VIOTRACKS"):
+            self.assertIn(word, text)
+        for line in text.splitlines():
+            self.assertLessEqual(len(line), 100, line)
+        self.check_version()
+
+    def test_the_truth_has_no_error(self):
+        for align in ("yaw", "se3", "sim3", "none"):
+            r = self.run_json(FLIGHT / "groundtruth.csv.gz", FLIGHT, "--align", align)
+            self.assertEqual(r["matched"], r["poses"])
+            self.assertLess(r["ate"]["translation_m"]["max"], 1e-12)
+            self.assertLess(r["ate"]["rotation_deg"]["max"], 1e-5)
+            self.assertLess(r["rpe_time"]["translation_m"]["max"], 1e-12)
+            self.assertLess(r["rpe_distance"]["translation_percent"]["max"], 1e-10)
+            self.assertAlmostEqual(r["alignment"]["scale"], 1, delta=1e-12)
+
+    def test_a_known_motion_is_taken_away_by_the_alignment_that_allows_it(self):
+        truth = read_truth(FLIGHT / "groundtruth.csv.gz")
+        reference = self.write("ref.txt", tum(truth))
+        cases = {"yaw": ((0, 0, 1.1), (3, -4, 5), 1.0), "se3": ((0.3, -0.2, 1.1), (3, -4, 5), 1.0),
+                 "sim3": ((0.3, -0.2, 1.1), (3, -4, 5), 0.4)}
+        rank = {"none": 0, "yaw": 1, "se3": 2, "sim3": 3}
+        for kind, (turn, shift, scale) in cases.items():
+            estimate = self.write("est.txt", tum(noisy(truth, 1, 0, 0, turn, shift, scale)))
+            for align in rank:
+                r = self.run_json(estimate, reference, "--align", align, "--lengths", "3")
+                if rank[align] < rank[kind]:
+                    self.assertGreater(r["ate"]["translation_m"]["rmse"], 0.05, (kind, align))
+                else:
+                    self.assertLess(r["ate"]["translation_m"]["max"], 1e-10, (kind, align))
+                    self.assertLess(r["ate"]["rotation_deg"]["max"], 1e-5)
+                    self.assertAlmostEqual(r["alignment"]["scale"] * scale, 1, delta=1e-10)
+        # About another vertical.
+        estimate = self.write("est.txt", tum(noisy(truth, 1, 0, 0, (0, -1.1, 0), (3, -4, 5), 1)))
+        r = self.run_json(estimate, reference, "--vertical", "0,-1,0")
+        self.assertLess(r["ate"]["translation_m"]["max"], 1e-10)
+
+    def test_tables_matching_and_files(self):
+        truth = read_truth(FLIGHT / "groundtruth.csv.gz")
+        late = [(t + 30_000_000, p, q) for t, p, q in noisy(truth, 2, 0.01, 0.01, (0, 0, 1), (1, 2, 3), 1)]
+        estimate = self.write("est.txt", tum(late))
+        text = self.run_ok(estimate, FLIGHT, "--offset", "-0.03", "--aligned", "moved.txt")
+        for word in ("matched", "position [m]", "yaw [deg]", "over 1 s", "over 5 m", "all lengths"):
+            self.assertIn(word, text)
+        again = self.run_json("moved.txt", FLIGHT, "--align", "none", "--offset", "-0.03")
+        self.assertAlmostEqual(again["ate"]["translation_m"]["rmse"], 0.01 * math.sqrt(3), delta=0.002)
+        # The last pose is after the truth's last: it is not extrapolated to.
+        r = self.run_json(estimate, FLIGHT)
+        self.assertEqual(r["matched"], r["poses"] - 1)
+        self.check_refused(estimate, FLIGHT, "--match", "nearest", says="no pose of the estimate")
+        r = self.run_json(estimate, FLIGHT, "--match", "nearest", "--tolerance", "0.031")
+        self.assertEqual(r["matched"], r["poses"])
+        r = self.run_json(estimate, FLIGHT, "--lengths", "1000", "--interval", "1000")
+        self.assertIsNone(r["rpe_time"])
+        self.assertIsNone(r["rpe_distance"])
+        self.check_json_on_stdout(estimate, FLIGHT)
+
+    def test_refusals(self):
+        truth = FLIGHT / "groundtruth.csv.gz"
+        self.check_refused(truth, says="REFERENCE")
+        self.check_refused("absent.txt", FLIGHT, says="absent.txt")
+        self.check_refused(truth, "absent", says="absent")
+        self.check_refused(truth, self.write("bad.txt", "1 0 0 0 0 0 0 1\n2 0 0 x 0 0 0 1\n"), says="bad.txt:2")
+        self.check_refused(truth, self.write("empty.txt", ""), says="has no pose")
+        self.check_refused(truth, FLIGHT, "--align", "sim4", says="--align")
+        line = "".join(f"{k} {k} 0 0 0 0 0 1\n" for k in range(9))
+        path = self.write("line.txt", line)
+        self.check_refused(path, path, "--align", "se3", says="one line")
+        self.run_ok(path, path, "--align", "yaw")
+        self.check_refused(path, path, "--vertical", "1,0,0", says="one vertical")
+
+    def test_numeric_options(self):
+        # "1,5" is two lengths.
+        all_values = app_test_util.NO_NUMBERS
+        app_test_util.NO_NUMBERS = tuple(v for v in all_values if v != "1,5")
+        self.addCleanup(setattr, app_test_util, "NO_NUMBERS", all_values)
+        self.check_numeric_options(FLIGHT / "groundtruth.csv.gz", FLIGHT)
+
+    def compare_with_evo(self, python, truth, lengths, seed, turn=(0.2, -0.4, 2.0), scale=0.7):
+        reference = self.write("ref.txt", tum(truth))
+        estimate = self.write("est.txt", tum(noisy(truth, seed, 0.05, 0.02, turn, (10, -20, 3), scale)))
+        done = subprocess.run([python, pathlib.Path(__file__).parent / "evo_figures.py", estimate, reference,
+                               *map(str, lengths)], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        worst = 0.0
+        for align, evo in json.loads(done.stdout).items():
+            ours = self.run_json(estimate, reference, "--align", align, "--interval", "1", "--lengths",
+                                 ",".join(map(str, lengths)))
+            pairs = [(ours["ate"], evo["ate"]), (ours["rpe_time"], evo["rpe_time"]),
+                     *zip(ours["rpe_distance"]["by_length"], evo["by_length"])]
+            for mine, theirs in pairs:
+                for name, statistics in theirs.items():
+                    self.assertEqual(mine[name]["count"], statistics["count"], (align, name))
+                    for key, value in statistics.items():
+                        worst = max(worst, abs(mine[name][key] - value) / max(1, abs(value)))
+        self.assertLess(worst, 1e-10)
+        return worst
+
+    def test_the_same_figures_as_evo(self):
+        python = python_with_evo()
+        if python is None:
+            self.skipTest("no Python with evo here (scripts/test.sh installs one in build/evo-venv)")
+        truth = read_truth(FLIGHT / "groundtruth.csv.gz")
+        for seed in (1, 2, 3):
+            self.compare_with_evo(python, truth, (1, 4.5), seed)
+        self.compare_with_evo(python, truth, (2,), 4, turn=(0, 0, 0), scale=1)
+
+    def test_the_same_figures_as_evo_on_recorded_truth(self):
+        python = python_with_evo()
+        if python is None:
+            self.skipTest("no Python with evo here (scripts/test.sh installs one in build/evo-venv)")
+        if data_folder() is None:
+            self.skipTest("no folder of recorded data (GLISSADE_DATA)")
+        for name in ("euroc_v101_map", "kitti_0930_0020"):
+            path = data_folder() / "vio" / name / "groundtruth.csv.gz"
+            if not path.is_file():
+                self.skipTest(f"{path} is not there")
+            # Ten a second, so that a second is ten frames.
+            poses = read_truth(path)
+            step = max(1, round(1e8 * (len(poses) - 1) / (poses[-1][0] - poses[0][0])))
+            truth = [(k * 100_000_000, p, q) for k, (_, p, q) in enumerate(poses[::step])]
+            self.compare_with_evo(python, truth, (5, 20), 5)
+
+
+if __name__ == "__main__":
+    main(TrajEvalTest)
