@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -128,7 +129,11 @@ double CsvReader::Number(int field, std::string_view what) {
   if (field < num_fields()) {
     const std::string_view word = WithoutPlus(fields_[static_cast<std::size_t>(field)]);
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
-    if (error == std::errc() && end == word.data() + word.size() && std::isfinite(x)) return x;
+    const bool whole = end == word.data() + word.size();
+    if (error == std::errc() && whole && (std::isfinite(x) || non_finite_)) return x;
+    if (error == std::errc::result_out_of_range && whole && non_finite_) {
+      return std::numeric_limits<double>::infinity();
+    }
   }
   FailExpected(field, what, "a finite number");
   return 0.0;

@@ -26,6 +26,9 @@ class CsvReader {
   /// Fails at the line of the present row; the first failure is kept.
   void Fail(const std::string& message, StatusCode code = StatusCode::kParseError);
 
+  /// From here on "nan" and "inf" are numbers, too, and what is too large for a double is inf.
+  void AllowNonFinite() { non_finite_ = true; }
+
   /// The next row; false at the end of the file and after a failure.
   bool NextRow();
   [[nodiscard]] int num_fields() const { return static_cast<int>(fields_.size()); }
@@ -57,6 +60,7 @@ class CsvReader {
   std::string_view text_;  // of the present line
   std::vector<std::string_view> fields_;
   std::int64_t line_ = 0;
+  bool non_finite_ = false;
   Status status_;
 };
 

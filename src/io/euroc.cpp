@@ -28,11 +28,12 @@ void ExpectLater(CsvReader& in, bool first, std::int64_t before, std::int64_t st
 
 }  // namespace
 
-Result<std::vector<ImuSample>> ReadEurocImu(const std::string& path) {
+Result<std::vector<ImuSample>> ReadEurocImu(const std::string& path, Reading reading) {
   return internal::OrOutOfMemory([&]() -> Result<std::vector<ImuSample>> {
     auto reader = CsvReader::Open(path);
     if (!reader.ok()) return reader.status();
     CsvReader& in = reader.value();
+    if (reading == Reading::kAsRecorded) in.AllowNonFinite();
     std::vector<ImuSample> samples;
     while (in.NextRow()) {
       in.ExpectFields(7, "timestamp_ns, wx, wy, wz, ax, ay, az");
@@ -82,7 +83,7 @@ Result<std::vector<GroundTruthState>> ReadEurocGroundTruth(const std::string& pa
   });
 }
 
-Result<std::vector<std::int64_t>> ReadEurocStamps(const std::string& path) {
+Result<std::vector<std::int64_t>> ReadEurocStamps(const std::string& path, Reading reading) {
   return internal::OrOutOfMemory([&]() -> Result<std::vector<std::int64_t>> {
     auto reader = CsvReader::Open(path);
     if (!reader.ok()) return reader.status();
@@ -91,7 +92,9 @@ Result<std::vector<std::int64_t>> ReadEurocStamps(const std::string& path) {
     while (in.NextRow()) {
       if (in.num_fields() != 1) in.ExpectFields(2, "timestamp_ns, file name");
       const std::int64_t stamp = Stamp(in);
-      ExpectLater(in, stamps.empty(), stamps.empty() ? 0 : stamps.back(), stamp);
+      if (reading == Reading::kChecked) {
+        ExpectLater(in, stamps.empty(), stamps.empty() ? 0 : stamps.back(), stamp);
+      }
       stamps.push_back(stamp);
     }
     if (!in.ok()) return in.status();

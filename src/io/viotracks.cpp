@@ -154,7 +154,7 @@ Status Missing(const std::string& folder, const char* name) {
 }
 
 /// Fills `index`: id -> place in frames.
-Status ReadFrames(const std::string& path, Viotracks* data,
+Status ReadFrames(const std::string& path, Reading reading, Viotracks* data,
                   std::map<std::int64_t, std::int32_t>* index) {
   auto reader = CsvReader::Open(path);
   if (!reader.ok()) return reader.status();
@@ -166,7 +166,7 @@ Status ReadFrames(const std::string& path, Viotracks* data,
     frame.stamp_ns = in.Integer(1, std::numeric_limits<std::int64_t>::min(),
                                 std::numeric_limits<std::int64_t>::max(), "timestamp_ns");
     if (!in.ok()) break;
-    if (!data->frames.empty() &&
+    if (reading == Reading::kChecked && !data->frames.empty() &&
         (frame.id <= data->frames.back().id || frame.stamp_ns <= data->frames.back().stamp_ns)) {
       in.Fail("frame " + std::to_string(frame.id) + ": ids and timestamps must increase");
       break;
@@ -178,11 +178,13 @@ Status ReadFrames(const std::string& path, Viotracks* data,
 }
 
 Status ReadTracks(const std::string& path, const std::map<std::int64_t, std::int32_t>& index,
-                  Viotracks* data) {
+                  Reading reading, Viotracks* data) {
   auto reader = CsvReader::Open(path);
   if (!reader.ok()) return reader.status();
   CsvReader& in = reader.value();
-  const auto num_cameras = static_cast<std::int64_t>(data->cameras.size());
+  if (reading == Reading::kAsRecorded) in.AllowNonFinite();
+  const auto last_camera =
+      reading == Reading::kAsRecorded ? kMost : static_cast<std::int64_t>(data->cameras.size()) - 1;
   while (in.NextRow()) {
     in.ExpectFields(5, "frame_id, track_id, camera, u, v");
     ViotracksObservation o;
@@ -194,7 +196,7 @@ Status ReadTracks(const std::string& path, const std::map<std::int64_t, std::int
     if (!in.ok()) break;
     o.frame = frame->second;
     o.track = static_cast<std::int32_t>(in.Integer(1, 0, kMost, "track_id"));
-    o.camera = static_cast<std::int32_t>(in.Integer(2, 0, num_cameras - 1, "camera"));
+    o.camera = static_cast<std::int32_t>(in.Integer(2, 0, last_camera, "camera"));
     o.u = in.Number(3, "u");
     o.v = in.Number(4, "v");
     data->tracks.push_back(o);
@@ -204,7 +206,7 @@ Status ReadTracks(const std::string& path, const std::map<std::int64_t, std::int
 
 }  // namespace
 
-Result<Viotracks> ReadViotracks(const std::string& folder) {
+Result<Viotracks> ReadViotracks(const std::string& folder, Reading reading) {
   return internal::OrOutOfMemory([&]() -> Result<Viotracks> {
     Viotracks data;
     const auto calibration = std::filesystem::path(folder) / "calibration.json";
@@ -212,17 +214,18 @@ Result<Viotracks> ReadViotracks(const std::string& folder) {
     const std::string frames = Table(folder, "frames");
     if (frames.empty()) return Missing(folder, "frames");
     std::map<std::int64_t, std::int32_t> index;
-    if (Status s = ReadFrames(frames, &data, &index); !s.ok()) return s;
+    if (Status s = ReadFrames(frames, reading, &data, &index); !s.ok()) return s;
     const std::string tracks = Table(folder, "tracks");
     if (tracks.empty()) return Missing(folder, "tracks");
-    if (Status s = ReadTracks(tracks, index, &data); !s.ok()) return s;
+    if (Status s = ReadTracks(tracks, index, reading, &data); !s.ok()) return s;
     if (const std::string imu = Table(folder, "imu"); !imu.empty()) {
-      auto samples = ReadEurocImu(imu);
+      auto samples = ReadEurocImu(imu, reading);
       if (!samples.ok()) return samples.status();
       data.imu = std::move(samples).value();
-    } else if (data.imu_noise) {
+    } else if (data.imu_noise && reading == Reading::kChecked) {
       return Missing(folder, "imu");
     }
+    if (reading == Reading::kAsRecorded) return data;
     if (const std::string truth = Table(folder, "groundtruth"); !truth.empty()) {
       auto states = ReadEurocGroundTruth(truth);
       if (!states.ok()) return states.status();

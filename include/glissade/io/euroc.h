@@ -19,6 +19,12 @@
 /// or nothing: on failure kIoError, or kParseError with "file:line: what".
 namespace glissade {
 
+/// How much of a recording is judged while it is read.
+enum class Reading : std::uint8_t {
+  kChecked,     ///< what makes no sense is refused
+  kAsRecorded,  ///< NaN, infinite values and any order of stamps are handed on: for the data doctor
+};
+
 struct GroundTruthState {
   std::int64_t stamp_ns = 0;
   Pose T_w_b;
@@ -27,7 +33,8 @@ struct GroundTruthState {
 };
 
 /// timestamp_ns, wx, wy, wz, ax, ay, az. Order of time is not judged here but by ImuBuffer.
-[[nodiscard]] Result<std::vector<ImuSample>> ReadEurocImu(const std::string& path);
+[[nodiscard]] Result<std::vector<ImuSample>> ReadEurocImu(const std::string& path,
+                                                          Reading reading = Reading::kChecked);
 
 /// timestamp_ns, px, py, pz, qw, qx, qy, qz [, vx, vy, vz, bgx, bgy, bgz, bax, bay, baz]: mind the
 /// order, w first and the gyroscope's bias before the accelerometer's. Stamps increase;
@@ -40,7 +47,8 @@ struct GroundTruthState {
 /// some stamps only.
 Status WriteEurocGroundTruth(std::span<const GroundTruthState> states, const std::string& path);
 
-/// timestamp_ns [, file name]: stamps of a camera, which increase.
-[[nodiscard]] Result<std::vector<std::int64_t>> ReadEurocStamps(const std::string& path);
+/// timestamp_ns [, file name]: stamps of a camera, which increase where that is checked.
+[[nodiscard]] Result<std::vector<std::int64_t>> ReadEurocStamps(
+    const std::string& path, Reading reading = Reading::kChecked);
 
 }  // namespace glissade

@@ -61,7 +61,12 @@ struct Viotracks {
 
 /// Reads a folder. All or nothing: kIoError where a file that must be there cannot be opened, else
 /// kParseError with "file:line: what was expected, what was found".
-[[nodiscard]] Result<Viotracks> ReadViotracks(const std::string& folder);
+///
+/// Reading::kAsRecorded hands on what the data doctor is to judge: stamps and ids of frames in any
+/// order, numbers that are none, cameras that do not exist, an IMU without samples; the ground
+/// truth is not read. WriteViotracks would refuse such a recording.
+[[nodiscard]] Result<Viotracks> ReadViotracks(const std::string& folder,
+                                              Reading reading = Reading::kChecked);
 
 /// Writes calibration.json and .csv.gz tables to a folder, which is made where its parent exists;
 /// numbers have as few digits as read back to the same bits. Each file appears whole or not at all.
