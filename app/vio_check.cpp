@@ -14,8 +14,9 @@
 #include "common/output_file.h"
 #include "common/program.h"
 #include "common/version.h"
+#include "glissade/io/diagnose.h"
+#include "glissade/io/euroc.h"
 #include "glissade/io/viotracks.h"
-#include "glissade/window/data_doctor.h"
 
 namespace {
 
@@ -54,50 +55,6 @@ struct Options {
   double max_time_offset_s = 0.5;
   std::string json;
 };
-
-/// What the doctor's spans point to.
-struct Recording {
-  Viotracks data;
-  std::vector<WindowCamera> cameras;
-  std::vector<DoctorImageSize> image_sizes;
-  std::vector<FrameObservation> observations;
-  std::vector<FrameObservations> frames;
-
-  [[nodiscard]] DoctorInput Input() const {
-    DoctorInput input;
-    input.imu = data.imu;
-    input.imu_noise = data.imu_noise;
-    input.imu_rate_hz = data.imu_rate_hz;
-    input.frames = frames;
-    input.cameras = cameras;
-    input.image_sizes = image_sizes;
-    input.gravity = data.gravity;
-    return input;
-  }
-};
-
-Recording Arranged(Viotracks data) {
-  Recording r;
-  for (const ViotracksCamera& c : data.cameras) {
-    r.cameras.push_back({c.fx, c.fy, c.cx, c.cy, c.sigma_px, c.T_b_c});
-    r.image_sizes.push_back({c.width, c.height});
-  }
-  // Frame by frame, each in its order of the file.
-  std::vector<std::size_t> end(data.frames.size() + 1, 0);
-  for (const ViotracksObservation& o : data.tracks)
-    ++end[static_cast<std::size_t>(o.frame) + 1];
-  for (std::size_t k = 1; k < end.size(); ++k)
-    end[k] += end[k - 1];
-  r.observations.resize(data.tracks.size());
-  std::vector<std::size_t> next(end.begin(), end.end());
-  for (const ViotracksObservation& o : data.tracks)
-    r.observations[next[static_cast<std::size_t>(o.frame)]++] = {o.track, o.camera, o.u, o.v};
-  const std::span<const FrameObservation> all = r.observations;
-  for (std::size_t k = 0; k < data.frames.size(); ++k)
-    r.frames.push_back({data.frames[k].stamp_ns, all.subspan(end[k], end[k + 1] - end[k])});
-  r.data = std::move(data);
-  return r;
-}
 
 /// "name: number" of EuRoC's sensor.yaml; 0 where it is not there.
 double YamlNumber(const fs::path& path, const std::string& name) {
@@ -160,16 +117,16 @@ std::string LabelOf(DoctorSeverity severity) {
 }
 
 /// Seconds since the first stamp of the recording.
-double SecondsInto(const DoctorInput& input, std::int64_t stamp) {
-  const std::int64_t origin = !input.imu.empty()      ? input.imu.front().stamp_ns
-                              : !input.frames.empty() ? input.frames.front().stamp_ns
-                                                      : stamp;
+double SecondsInto(const Viotracks& data, std::int64_t stamp) {
+  const std::int64_t origin = !data.imu.empty()      ? data.imu.front().stamp_ns
+                              : !data.frames.empty() ? data.frames.front().stamp_ns
+                                                     : stamp;
   return stamp >= origin ? SecondsBetween(origin, stamp) : -SecondsBetween(stamp, origin);
 }
 
-void PrintFinding(const DoctorInput& input, const DoctorFinding& f) {
+void PrintFinding(const Viotracks& data, const DoctorFinding& f) {
   std::string line = fmt::format("{:<8}{}  {}", LabelOf(f.severity), ToString(f.kind), f.sensor);
-  if (f.stamp_ns) line += fmt::format(" at {:.3f} s", SecondsInto(input, *f.stamp_ns));
+  if (f.stamp_ns) line += fmt::format(" at {:.3f} s", SecondsInto(data, *f.stamp_ns));
   line += fmt::format(": {} [", f.message);
   if (f.estimate && f.sigma) {
     line += fmt::format("{:.5g} +- {:.2g}{}{}, ", *f.estimate, *f.sigma, f.unit.empty() ? "" : " ",
@@ -253,13 +210,11 @@ nlohmann::ordered_json ToJson(const Options& o, const DoctorReport& report) {
 }
 
 app::Outcome Run(const Options& o) {
-  auto data = ReadFolder(o.folder);
+  const auto data = ReadFolder(o.folder);
   if (!data.ok()) return app::BadInput(data.status());
-  const Recording recording = Arranged(std::move(data).value());
-  const DoctorInput input = recording.Input();
-  const DoctorReport report = Diagnose(input, {.max_time_offset_s = o.max_time_offset_s});
+  const DoctorReport report = Diagnose(*data, {.max_time_offset_s = o.max_time_offset_s});
   for (const DoctorFinding& f : report.findings)
-    PrintFinding(input, f);
+    PrintFinding(*data, f);
   if (report.findings.empty()) app::Print("nothing was found\n");
   PrintFacts(report.facts);
   if (!o.json.empty()) {

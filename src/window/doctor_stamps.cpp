@@ -271,9 +271,9 @@ void CheckFrameStamps(DoctorCase* c) {
       Text("%lld of %zu frames are outside of the IMU's time, which is %.4g s to %.4g s",
            static_cast<long long>(outside), times.size(), c->imu.front().t, c->imu.back().t),
       most
-          ? "two clocks, or two units of time: frames run from " +
-                Text("%.6g s to %.6g s on that scale", times.front(), times.back())
-          : std::string("start the IMU before the camera and stop it after, or drop these frames"));
+          ? Text("two clocks, or two units of time: frames run from %.6g s to %.6g s on that scale",
+                 times.front(), times.back())
+          : Text("start the IMU before the camera and stop it after, or drop these frames"));
   f.stamp_ns = c->Stamp(*where);
   f.count = outside;
   f.estimate = facts.imu_coverage;

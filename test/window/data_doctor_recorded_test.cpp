@@ -8,37 +8,12 @@
 #include <vector>
 
 #include "common/data_dir.h"
+#include "glissade/io/diagnose.h"
 #include "glissade/io/viotracks.h"
 #include "glissade/sim/recording.h"
-#include "glissade/window/data_doctor.h"
 
 namespace glissade {
 namespace {
-
-/// Of a recording of which nothing is left out.
-DoctorReport DiagnoseAll(const Viotracks& data, const DoctorOptions& options = {}) {
-  std::vector<WindowCamera> cameras;
-  std::vector<DoctorImageSize> sizes;
-  for (const ViotracksCamera& c : data.cameras) {
-    cameras.push_back({c.fx, c.fy, c.cx, c.cy, c.sigma_px, c.T_b_c});
-    sizes.push_back({c.width, c.height});
-  }
-  std::vector<std::vector<FrameObservation>> observations(data.frames.size());
-  for (const ViotracksObservation& o : data.tracks)
-    observations[static_cast<std::size_t>(o.frame)].push_back({o.track, o.camera, o.u, o.v});
-  std::vector<FrameObservations> frames;
-  for (std::size_t k = 0; k < data.frames.size(); ++k)
-    frames.push_back({data.frames[k].stamp_ns, observations[k]});
-  DoctorInput input;
-  input.imu = data.imu;
-  input.imu_noise = data.imu_noise;
-  input.imu_rate_hz = data.imu_rate_hz;
-  input.frames = frames;
-  input.cameras = cameras;
-  input.image_sizes = sizes;
-  input.gravity = data.gravity;
-  return Diagnose(input, options);
-}
 
 std::string Serious(const DoctorReport& report) {
   std::string text;
@@ -54,7 +29,7 @@ TEST(DataDoctorRecorded, SimulatedFlightsAreHealthy) {
     options.seed = options.world.seed = seed;
     const auto data = sim::MakeRecording(options);
     ASSERT_TRUE(data.ok());
-    EXPECT_EQ(Serious(DiagnoseAll(*data, {.max_frame_pairs = 60})), "") << seed;
+    EXPECT_EQ(Serious(Diagnose(*data, {.max_frame_pairs = 60})), "") << seed;
   }
 }
 
@@ -66,7 +41,7 @@ class Recorded : public ::testing::Test {
     if (!std::filesystem::exists(folder)) return false;
     auto data = ReadViotracks(folder.string());
     EXPECT_TRUE(data.ok()) << data.status().message();
-    report_ = DiagnoseAll(*data);
+    report_ = Diagnose(*data);
     return true;
   }
   DoctorReport report_;
