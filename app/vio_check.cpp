@@ -43,9 +43,9 @@ healthy recordings have, too. docs/data_doctor.md says how each is measured.
 The time offset is what has to be added to camera stamps to get IMU time.
 
 Examples:
-  vio_check data/flight
-  vio_check flight --json - | jq '.findings[].kind'
-  vio_check MH_05_difficult
+  vio_check data/flight               12 s of simulation
+  vio_check data/flight --json - | jq '.findings[].kind'
+  vio_check EUROC                     a folder with mav0 in it
 
 Exit code: 0 where nothing is an ERROR; 1 where something is; 2 where the recording cannot be read,
 or an option makes no sense; 130 after Ctrl-C.)";
