@@ -2,41 +2,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/alignment.h"
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <cmath>
+#include <cstdint>
+
+#include "glissade/eval/alignment.h"
 
 namespace glissade::app {
 
 Result<CourseErrors> AlignedErrors(const CourseScene& scene, const Graph& graph,
                                    const CourseHandles& handles) {
-  const std::size_t n = scene.poses.size();
-  Eigen::MatrixXd estimate = Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(n));
-  Eigen::MatrixXd truth = estimate;
-  for (std::size_t k = 0; k < n; ++k) {
-    for (int i = 0; i < 3; ++i) {
-      estimate(i, static_cast<Eigen::Index>(k)) = graph.Get(handles.poses[k]).Data()[i];
-      truth(i, static_cast<Eigen::Index>(k)) = scene.poses[k].data[i];
-    }
+  eval::MatchedTrajectories matched;
+  for (std::size_t k = 0; k < scene.poses.size(); ++k) {
+    const auto stamp = static_cast<std::int64_t>(k);
+    matched.estimate.push_back({stamp, graph.Get(handles.poses[k]).pose});
+    matched.reference.push_back({stamp, scene.poses[k]});
   }
-  const auto undetermined = [] {
+  eval::AlignmentOptions options;
+  options.kind = eval::AlignmentKind::kSim3;
+  const auto alignment = eval::Align(matched, options);
+  if (!alignment.ok()) {
     return Status(StatusCode::kInvalidArgument,
                   "without priors the scene can only be compared to the truth if it has three "
-                  "poses in different places");
-  };
-  const double spread = (estimate.colwise() - estimate.rowwise().mean()).norm();
-  if (n < 3 || !(spread > 0.0)) return undetermined();
-  const Eigen::MatrixXd T = Eigen::umeyama(estimate, truth, true);
-  const Eigen::MatrixXd sR = T.topLeftCorner(3, 3);
-  const double scale = sR.col(0).norm();
-  if (!T.allFinite() || !(scale > 0.0)) return undetermined();
-
-  Eigen::MatrixXd difference = sR * estimate - truth;
-  difference.colwise() += T.topRightCorner(3, 1).col(0);
+                  "poses that are not on one line");
+  }
   CourseErrors errors;
-  errors.pose = difference.colwise().norm().sum();
+  for (std::size_t k = 0; k < scene.poses.size(); ++k) {
+    const Pose moved = alignment->Apply(matched.estimate[k].T_w_b);
+    errors.pose += (moved.p() - scene.poses[k].p()).norm();
+  }
   for (std::size_t k = 0; k < scene.points.size(); ++k) {
-    const double rho = graph.Get(handles.points[k]).rho / scale;
+    const double rho = graph.Get(handles.points[k]).rho / alignment->scale;
     errors.point += std::abs(rho - scene.TrueInverseDepth(scene.points[k]));
   }
   return errors;
