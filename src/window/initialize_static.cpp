@@ -7,6 +7,7 @@
 #include "glissade/base/validate.h"
 #include "glissade/lie/so3.h"
 #include "window/quantiles.h"
+#include "window/upright.h"
 #include "window/verdicts.h"
 
 namespace glissade {
@@ -14,13 +15,6 @@ namespace glissade {
 namespace {
 
 using internal::Refusal;
-
-/// R_W_B with R u = z and yaw 0: pitch, then roll.
-Matrix3 UprightWithoutYaw(const Vector3& u) {
-  const double roll = std::atan2(u[1], u[2]);
-  const double pitch = std::atan2(-u[0], std::hypot(u[1], u[2]));
-  return so3::Exp(Vector3(0.0, pitch, 0.0)) * so3::Exp(Vector3(roll, 0.0, 0.0));
-}
 
 /// What of a body that does not move is wrong nevertheless.
 InitVerdict Judge(const StillnessTest& imu, const StaticOptions& options) {
@@ -101,7 +95,7 @@ Result<StaticState> InitializeStatic(std::span<const ImuSample> samples, const I
   const Vector3 force = state.imu.force - prior.mean.ba;
   const Vector3 u = force.normalized();
   state.stamp_ns = samples.back().stamp_ns;
-  state.pose.pose = Pose(UprightWithoutYaw(u), Vector3::Zero());
+  state.pose.pose = Pose(internal::UprightWithoutYaw(u), Vector3::Zero());
   // Along u the length of the force speaks of the bias; the prior has the rest. So has it a little
   // of a rate that was measured.
   const double s2 = prior.accel_sigma * prior.accel_sigma;
