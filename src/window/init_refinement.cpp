@@ -194,7 +194,7 @@ InitVerdict RefineJointly(const InitializationInput& input, Scene vision, Inerti
   };
   {
     Refinement robust(input, *terms, *scene, *states, Cauchy{2.0});
-    if (Status s = robust.Solve(30, 1e-5); !s.ok()) return failed(s);
+    if (Status s = robust.Solve(30, 1e-4); !s.ok()) return failed(s);
     robust.Read(scene, states);
   }
   const VertexSpeedBias& newest = states->speed_biases.back();
@@ -206,7 +206,7 @@ InitVerdict RefineJointly(const InitializationInput& input, Scene vision, Inerti
     return Refusal(InitReason::kNotConverged, last.num_points, kMinTracks,
                    "number of tracks that fit", "");
   }
-  if (Status s = last.Solve(50, 1e-9); !s.ok()) return failed(s);
+  if (Status s = last.Solve(50, 1e-7); !s.ok()) return failed(s);
   const auto chi2 = last.problem.Chi2();
   if (!chi2.ok()) return failed(chi2.status());
   const int frames = static_cast<int>(states->T_w_b.size());

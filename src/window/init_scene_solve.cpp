@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <limits>
-#include <optional>
 
 #include "glissade/edges/reprojection_xyz.h"
 #include "glissade/losses/cauchy.h"
@@ -43,43 +42,44 @@ SolveOptions Coarse(int iterations) {
 }  // namespace
 
 FrameFit LocateFrame(std::size_t frame, Scene* scene) {
-  Problem problem;
-  const auto pose = problem.AddVertex(VertexPose{scene->poses[frame]});
-  std::vector<EdgeHandle<EdgeReprojectionXYZ>> edges;
-  int tracks = 0;
+  const auto in_frame = [&](const Sight& sight) { return sight.frame == frame && !sight.bad; };
+  std::vector<const SightedTrack*> seen;
   for (const SightedTrack& track : scene->tracks) {
-    if (!track.has_point) continue;
-    std::optional<VertexHandle<VertexPointXYZ>> point;
-    for (const Sight& sight : track.sights) {
-      if (sight.frame != frame || sight.bad) continue;
-      if (!point) {
-        point = problem.AddVertex(VertexPointXYZ(track.point)).value();
-        problem.SetFixed(*point);
-        ++tracks;
-      }
-      EdgeOptions<EdgeReprojectionXYZ> options;
-      options.sqrt_information = scene->cameras[sight.camera].whitening;
-      options.loss = Huber{3.0};
-      edges.push_back(problem.AddEdge(EdgeOf(*scene, sight), {pose, *point}, options).value());
+    if (track.has_point && std::any_of(track.sights.begin(), track.sights.end(), in_frame)) {
+      seen.push_back(&track);
     }
   }
+  const int tracks = static_cast<int>(seen.size());
   FrameFit fit;
   fit.needed = std::max(kMinTracks, (tracks + 2) / 3);
   if (tracks < kMinTracks) return {tracks, fit.needed};
+  Problem problem;
+  const auto pose = problem.AddVertex(VertexPose{scene->poses[frame]});
+  std::vector<EdgeHandle<EdgeReprojectionXYZ>> edges;
+  // What is found here is the start of an adjustment: so many will do.
+  constexpr std::size_t kEnough = 60;
+  const std::size_t stride = (seen.size() + kEnough - 1) / kEnough;
+  for (std::size_t j = 0; j < seen.size(); j += stride) {
+    const auto point = problem.AddVertex(VertexPointXYZ(seen[j]->point));
+    problem.SetFixed(point.value());
+    for (const Sight& sight : seen[j]->sights) {
+      if (!in_frame(sight)) continue;
+      EdgeOptions<EdgeReprojectionXYZ> options;
+      options.sqrt_information = scene->cameras[sight.camera].whitening;
+      options.loss = Huber{3.0};
+      edges.push_back(problem.AddEdge(EdgeOf(*scene, sight), {pose, point}, options).value());
+    }
+  }
   // Far from the start a loss that forgets what does not fit would forget all.
-  if (!problem.Solve(Coarse(8)).ok()) return fit;
+  if (!problem.Solve(Coarse(4)).ok()) return fit;
   for (const auto& edge : edges)
     problem.SetLoss(edge, Cauchy{2.0});
   if (!problem.Solve(Coarse(8)).ok()) return fit;
   scene->poses[frame] = problem.Get(pose).pose;
-  for (const SightedTrack& track : scene->tracks) {
-    if (!track.has_point) continue;
-    for (const Sight& sight : track.sights) {
-      if (sight.frame != frame || sight.bad) continue;
-      // Points of the scene so far are not exact, and so neither is this.
-      if (Chi2(*scene, sight, track.point) < 4.0 * kMaxChi2) ++fit.tracks;
-      break;
-    }
+  for (const SightedTrack* track : seen) {
+    const auto sight = std::find_if(track->sights.begin(), track->sights.end(), in_frame);
+    // Points of the scene so far are not exact, and so neither is this.
+    if (Chi2(*scene, *sight, track->point) < 4.0 * kMaxChi2) ++fit.tracks;
   }
   scene->located[frame] = fit.tracks >= fit.needed;
   return fit;

@@ -43,13 +43,12 @@ InitVerdict NotSolved(const Status& status) {
   return {InitReason::kNotConverged, 0.0, 0.0, status.message()};
 }
 
-/// Adjusts, gives those tracks another chance that have no point yet, and adjusts again.
+/// A bundle adjustment of all that can have a point.
 InitVerdict Finish(std::size_t fixed, std::size_t second, Scene* scene) {
-  if (Status s = AdjustScene(fixed, second, 10, scene); !s.ok()) return NotSolved(s);
   for (SightedTrack& track : scene->tracks) {
     if (!track.has_point) Triangulate(*scene, &track);
   }
-  if (Status s = AdjustScene(fixed, second, 5, scene); !s.ok()) return NotSolved(s);
+  if (Status s = AdjustScene(fixed, second, 15, scene); !s.ok()) return NotSolved(s);
   const int points = CountPoints(*scene);
   return points < kMinTracks ? Lost(points) : InitVerdict();
 }
