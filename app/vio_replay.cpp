@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Hands a recorded run to a sliding window as it would have come from the sensors, and judges what
+// the window said.
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/interrupt.h"
+#include "common/options.h"
+#include "common/output_file.h"
+#include "common/program.h"
+#include "common/version.h"
+#include "glissade/io/trajectory.h"
+#include "glissade/io/viotracks.h"
+#include "replay/batch.h"
+#include "replay/causal_run.h"
+#include "replay/judge.h"
+#include "replay/report.h"
+#include "studies/parallel_trials.h"
+
+namespace glissade::app {
+namespace {
+
+constexpr const char* kName = "vio_replay";
+
+constexpr const char* kDescription =
+    R"(Hands a recording (VIOTRACKS) to a sliding-window estimator, sample by sample and frame by frame,
+and says how far its estimates are from the truth, how long they took, and what happened.)";
+
+constexpr const char* kFooter =
+    R"(The estimate of a frame is what the window said right after it, never what it learned later.
+
+ATE is the RMS of positions after alignment: by yaw and translation with an IMU, by SE(3) without.
+RPE is over 1 s (RMS) and in percent of the distance travelled (mean over pieces of 100 m; of a way
+shorter than 150 m, 10 m; than 15 m, 1 m). Yaw drift is that of the last pose where the first has
+no error. Without ground truth there is everything but these.
+
+Stages: add (samples, prediction, tracks, triangulation), solve, reject (outliers, IMU terms
+integrated anew), slide (the policy, marginalization). Times are those of the thread's own clock,
+which others on the machine do not disturb much; --wall has those of the clock on the wall. Solve
+and reject are told apart in frames only in which the two clocks agree.
+
+Kinds of --fault: imu-gap, no-features, all-outliers, camera-lost (the second one), nan-pixels
+(every second feature), imu-saturated (clipped at half of the largest rate and motion, and marked),
+frame-duplicate, frame-out-of-order (in pairs), imu-out-of-order (in pairs), imu-duplicate.
+
+Examples:
+  vio_replay data/flight                              stereo and IMU, S = 3, M = 7
+  vio_replay data/flight --mono --policy vins --out flight.tum
+  vio_replay data/flight --fault imu-gap@4..4.3 --fault no-features@6..7
+  vio_replay data/flight --batch --json flight.json   and the bound
+  vio_replay data/flight --states flight.csv
+  scripts/plot_trajectory.py flight.csv data/flight flight.png
+
+After Ctrl-C the figures are those of the frames until then.
+
+Exit code: 0; 130 after Ctrl-C; 2 where the recording or an option makes no sense; 1 where the
+window found no first state.)";
+
+struct Settings {
+  std::string folder;
+  ReplaySettings replay;
+  std::string first_estimates = "full";
+  double rpe_length_m = 0.0;
+  bool batch = false;
+  std::string out, states, json;
+};
+
+void AddOptions(Program& program, Settings& s) {
+  CLI::App& cli = program.cli();
+  cli.add_option("DIR", s.folder, "Folder of a recording (VIOTRACKS)")->required();
+  AddChoice(cli, "--policy", &s.replay.policy, {"okvis", "vins", "basalt", "lag"},
+            "What leaves the window: okvis (default), vins (two-way, S + M frames), basalt, lag");
+  AddInteger(cli, "--frames", &s.replay.frames, 1, 1000,
+             "S, newest frames, with speed and biases (default 3)");
+  AddInteger(cli, "--keyframes", &s.replay.keyframes, 1, 1000, "M, keyframes besides (default 7)");
+  AddNumber(cli, "--lag", &s.replay.lag_s, 0.01, 1000.0, "Of --policy lag (s; default 1)");
+  cli.add_flag("--mono", s.replay.mono, "The first camera only");
+  cli.add_flag("--no-imu", s.replay.no_imu, "Two cameras without the IMU");
+  AddChoice(cli, "--first-estimates", &s.first_estimates, {"off", "prior", "full"},
+            "What stays linearized where it first was: off, prior or full (default)");
+  AddNumber(cli, "--time-offset", &s.replay.time_offset_s, -10.0, 10.0,
+            "Added to the stamps of frames (s; default 0)");
+  AddInteger(cli, "--iterations", &s.replay.budget.max_iterations, 1, 1000,
+             "Linear solves of a frame (default 4)");
+  cli.add_option_function<std::vector<std::string>>(
+         "--fault",
+         [&s](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) {
+             const auto fault = ParseFault(text);
+             if (!fault.ok()) RefuseOption(fault.status().message());
+             s.replay.faults.push_back(*fault);
+           }
+         },
+         "KIND@T..T: goes wrong from T to T, seconds after the first frame; may be repeated")
+      ->type_name("FAULT")
+      ->allow_extra_args(false);
+  AddNumber(cli, "--rpe-length", &s.rpe_length_m, 0.01, 1e6,
+            "Of the pieces for RPE in percent (m; default: see below)");
+  cli.add_flag("--batch", s.batch,
+               "Solve the same data as one big problem too: the bound for a window");
+  cli.add_flag("--wall", s.replay.wall_clock, "Times of the clock on the wall");
+  program.AddOutputFile("--out", &s.out, "Write the trajectory (TUM) to FILE");
+  program.AddOutput("--states", &s.states, "Write states, sigmas, window sizes (CSV) to FILE");
+  program.AddOutput("--json", &s.json, "Write the figures to FILE");
+}
+
+std::optional<TrajectoryErrors> ErrorsOf(const eval::Trajectory& estimate,
+                                         const eval::Trajectory& reference,
+                                         const JudgeOptions& options) {
+  if (reference.empty()) return {};
+  return Judge(estimate, reference, options);
+}
+
+Outcome Run(Settings& settings) {
+  const auto recording = ReadViotracks(settings.folder);
+  if (!recording.ok()) return BadInput(recording.status());
+  ReplaySettings& replay = settings.replay;
+  replay.first_estimates = settings.first_estimates == "off"     ? FirstEstimates::kOff
+                           : settings.first_estimates == "prior" ? FirstEstimates::kPriorOnly
+                                                                 : FirstEstimates::kFull;
+  replay.covariance = !settings.states.empty();
+  replay.observations = settings.batch;
+  const auto window = WindowOptions(*recording, replay);
+  if (!window.ok()) return BadInput(settings.folder + ": " + window.status().message());
+
+  Result<CausalRun> run = [&] {
+    ProgressBar progress(static_cast<int>(recording->frames.size()));
+    progress.SetLabel(settings.folder);
+    return RunCausal(*recording, replay, [&] { progress.Advance(); });
+  }();
+  if (!run.ok()) return Failed(run.status());
+  const eval::Trajectory reference = ReferenceOf(*recording);
+  const JudgeOptions judge{window->imu_noise.has_value(), settings.rpe_length_m};
+  const eval::Trajectory trajectory = TrajectoryOf(*run);
+  const auto errors = ErrorsOf(trajectory, reference, judge);
+  PrintRun(*run, errors);
+  std::fflush(TextStream());
+
+  nlohmann::ordered_json json = JsonHeader(kName, settings.folder);
+  AddRun(*run, errors, &json);
+  json["policy"] = replay.policy;
+  json["cameras"] = window->cameras.size();
+  json["imu"] = window->imu_noise.has_value();
+  json["clock"] = replay.wall_clock ? "wall" : "thread";
+  Status failed;
+  if (settings.batch && run->initialized_at_s && !Interrupted()) {
+    const auto batch = SolveBatch(*recording, replay, *run);
+    if (batch.ok()) {
+      const auto batch_errors = ErrorsOf(batch->trajectory, reference, judge);
+      PrintBatch(*batch, batch_errors);
+      json["batch"] = ToJson(*batch, batch_errors);
+    } else {
+      failed = batch.status();
+    }
+  }
+  json["interrupted"] = Interrupted();
+  if (!settings.out.empty()) {
+    if (Status s = WriteTumTrajectory(trajectory, settings.out); !s.ok()) return Failed(s);
+  }
+  if (!settings.states.empty()) {
+    if (Status s = WriteFile(settings.states, StatesCsv(*run)); !s.ok()) return Failed(s);
+  }
+  if (!settings.json.empty()) {
+    if (Status s = WriteJson(settings.json, json, 2); !s.ok()) return Failed(s);
+  }
+  if (!failed.ok()) return Failed(failed);
+  if (!run->initialized_at_s && !Interrupted()) {
+    return Failed({StatusCode::kEvaluationFailed,
+                   settings.folder + ": the window found no first state" +
+                       (run->first_refusal.empty() ? "" : ": " + run->first_refusal)});
+  }
+  return {};
+}
+
+}  // namespace
+}  // namespace glissade::app
+
+int main(int argc, char** argv) {
+  using namespace glissade::app;
+  Program program(kName, kDescription, kFooter);
+  Settings settings;
+  AddOptions(program, settings);
+  return program.Run(argc, argv, [&] { return Run(settings); });
+}

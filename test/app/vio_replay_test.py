@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The glissade authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""vio_replay: its figures on a simulated flight and on recorded ones, faults, and what it refuses."""
+
+import csv
+import math
+
+from app_test_util import ROOT, AppTest, data_folder, main, without_sanitizers
+
+FLIGHT = ROOT / "data" / "flight"
+KEYS = ("frames", "ate_m", "ate_yaw_deg", "rpe_1s_m", "rpe_percent", "ms_median", "ms_p99",
+        "marginalize_ms_median", "keyframes", "rejected", "events", "initialized_at_s")
+# Kind of fault, and what the window must have said of it.
+FAULTS = {"imu-gap": "imu_gap", "no-features": "frame_without_landmarks",
+          "all-outliers": "observation_rejected", "camera-lost": None,
+          "nan-pixels": "observation_refused", "imu-saturated": None, "frame-duplicate": None,
+          "frame-out-of-order": None, "imu-out-of-order": "imu_sample_refused",
+          "imu-duplicate": "imu_sample_refused"}
+
+
+def read_tum(path):
+    """Rows of numbers: stamp, p, q."""
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return [[float(word) for word in line.split()] for line in lines if not line.startswith("#")]
+
+
+class VioReplayTest(AppTest):
+    app = "vio_replay"
+    numeric_options = {"--frames": ("0", "1.5", "1001"), "--keyframes": ("0", "-1"),
+                       "--lag": ("0", "1001"), "--time-offset": ("11", "-11"),
+                       "--iterations": ("0", "1.5"), "--rpe-length": ("0",)}
+
+    def replay(self, *args):
+        return self.run_json(FLIGHT, *args)
+
+    def test_json_has_its_keys(self):
+        result = self.replay()
+        for key in KEYS:
+            self.assertIn(key, result)
+        self.assertEqual(result["frames"], 121)
+        self.assertGreaterEqual(result["ms_p99"], result["ms_median"])
+        self.assertGreater(result["ms_median"], 0)
+        self.assertGreater(result["keyframes"], 5)
+        self.assertEqual(result["events"]["keyframe"], result["keyframes"])
+        self.assertEqual(result["events"]["observation_rejected"], result["rejected"])
+        self.assertEqual(result["events"]["initialized"], 1)
+        self.assertLess(result["initialized_at_s"], 1.0)
+        self.assertEqual((result["cameras"], result["imu"], result["alignment"]), (2, True, "yaw"))
+
+    @without_sanitizers
+    def test_every_policy_follows_the_flight(self):
+        # Of 14 m. Measured: 0.02 to 0.04 m.
+        for policy in ("okvis", "vins", "basalt", "lag"):
+            self.assertLess(self.replay("--policy", policy)["ate_m"], 0.10, policy)
+        for mode in ("off", "prior", "full"):
+            self.assertLess(self.replay("--first-estimates", mode)["ate_m"], 0.10, mode)
+
+    def test_one_camera_or_no_imu(self):
+        mono = self.replay("--mono")
+        self.assertEqual((mono["cameras"], mono["imu"]), (1, True))
+        self.assertLess(mono["ate_m"], 1.0)  # measured 0.53: it takes off in motion, scale unknown
+        stereo = self.replay("--no-imu")
+        self.assertEqual((stereo["cameras"], stereo["imu"]), (2, False))
+        self.assertEqual(stereo["alignment"], "se3")
+        self.assertEqual(stereo["initialized_at_s"], 0.0)
+        self.assertLess(stereo["ate_m"], 0.5)
+
+    def test_the_size_of_the_window_is_what_was_asked_for(self):
+        small = self.replay("--frames", "2", "--keyframes", "3")
+        self.assertLessEqual(small["window_frames_mean"], 5.0)
+        self.assertGreater(self.replay()["window_frames_mean"], 5.0)
+        short, long = (self.replay("--policy", "lag", "--lag", lag)["window_frames_mean"]
+                       for lag in ("0.5", "1.5"))
+        self.assertLess(short + 3, long)
+
+    def test_a_wrong_time_offset_is_worse(self):
+        self.assertGreater(self.replay("--time-offset", "0.03")["ate_m"], 1.5 * self.replay()["ate_m"])
+
+    @without_sanitizers
+    def test_the_batch_is_the_bound(self):
+        for more in ((), ("--mono",)):
+            result = self.replay("--batch", *more)
+            self.assertLess(result["batch"]["ate_m"], 0.7 * result["ate_m"], more)
+            self.assertLess(result["batch"]["rpe_1s_m"], result["rpe_1s_m"], more)
+            self.assertEqual(result["batch"]["imu_terms"], result["batch"]["frames"] - 1)
+
+    def test_the_same_run_gives_the_same_bytes(self):
+        for name in ("a.tum", "b.tum"):
+            self.run_ok(FLIGHT, "--out", name, "--fault", "all-outliers@4..4.5")
+        self.run_ok(FLIGHT, "--out", "c.tum", "--iterations", "1")
+        a, b, c = ((self.folder / name).read_bytes() for name in ("a.tum", "b.tum", "c.tum"))
+        self.assertEqual(a, b)
+        self.assertNotEqual(a, c)
+
+    def test_the_trajectory_has_a_pose_for_each_estimate(self):
+        result = self.replay("--out", "t.tum")
+        rows = read_tum(self.folder / "t.tum")
+        self.assertEqual(len(rows), result["estimates"])
+        self.assertEqual([row[0] for row in rows], sorted(row[0] for row in rows))
+        for row in rows:
+            self.assertAlmostEqual(math.hypot(*row[4:8]), 1.0, places=6)
+
+    def test_states_have_sigmas(self):
+        result = self.replay("--states", "s.csv")
+        with open(self.folder / "s.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        self.assertEqual(len(rows), result["estimates"])
+        for row in rows[5:]:
+            for key in ("s_px", "s_rz", "s_vx", "s_bax", "s_bgz"):
+                self.assertGreater(float(row[key]), 0.0, key)
+                self.assertLess(float(row[key]), 1.0, key)
+            self.assertLessEqual(int(row["oldest_ns"]), int(row["timestamp_ns"]))
+            self.assertGreater(int(row["observations"]), 0)
+
+    @without_sanitizers
+    def test_faults_are_run_through(self):
+        healthy = self.replay()
+        for kind, event in FAULTS.items():
+            result = self.replay("--fault", f"{kind}@5..5.6", "--out", "f.tum")
+            if event is not None:
+                self.assertGreater(result["events"][event], healthy["events"][event], kind)
+            # Six frames of 121 at most have no estimate, and the way goes on where it was.
+            self.assertGreaterEqual(result["estimates"], healthy["estimates"] - 7, kind)
+            self.assertLess(result["ate_m"], 0.5, kind)
+            numbers = [x for row in read_tum(self.folder / "f.tum") for x in row]
+            self.assertTrue(all(math.isfinite(x) for x in numbers), kind)
+
+    def test_frames_that_come_wrong_are_refused_one_by_one(self):
+        healthy = self.replay("--out", "h.tum")
+        twice = self.replay("--fault", "frame-duplicate@5..6", "--out", "t.tum")
+        self.assertEqual(twice["frames"], healthy["frames"] + 10)
+        self.assertEqual(twice["frames_refused"], 10)
+        self.assertEqual((self.folder / "h.tum").read_bytes(), (self.folder / "t.tum").read_bytes())
+        swapped = self.replay("--fault", "frame-out-of-order@5..6")
+        self.assertEqual(swapped["frames"], healthy["frames"])
+        self.assertEqual(swapped["frames_refused"], 5)
+
+    def test_without_ground_truth(self):
+        for path in FLIGHT.iterdir():
+            if "groundtruth" not in path.name:
+                (self.folder / path.name).write_bytes(path.read_bytes())
+        text = self.run_ok(".")
+        self.assertNotIn("ATE", text)
+        self.assertRegex(text, r"(?m)^solve +[0-9.]+")
+        self.assertIsNone(self.run_json(".")["ate_m"])
+
+    def test_reports(self):
+        out = self.run_ok(FLIGHT)
+        self.assertEqual(self.files(), [])
+        for word in ("ATE", "RPE", "drift", "median", "p99", "keyframe", "observation rejected"):
+            self.assertIn(word, out)
+        for stage in ("frame", "add", "solve", "reject", "slide"):
+            self.assertRegex(out, rf"(?m)^{stage} +[0-9.]+ +[0-9.]+ +[0-9.]+")
+
+    def test_json_to_stdout(self):
+        self.check_json_on_stdout(FLIGHT)
+
+    def test_refusals(self):
+        self.check_refused(says="DIR")
+        self.check_refused("no/such/folder", says="no/such/folder")
+        self.check_refused(FLIGHT, "--policy", "best", says="--policy")
+        self.check_refused(FLIGHT, "--first-estimates", "on", says="--first-estimates")
+        self.check_refused(FLIGHT, "--mono", "--no-imu", says="scale")
+        self.check_refused(FLIGHT, "--mono", "--fault", "camera-lost@1..2", says="camera-lost")
+        self.check_refused(FLIGHT, "--out", "no/such/t.tum", says="--out")
+        for fault in ("", "imu-gap", "imu-gap@1", "imu-gap@2..1", "imu-gap@1..1", "imu-gap@x..1",
+                      "imu-gap@-1..1", "imu-gap@0..inf", "flood@1..2", "@1..2", "imu-gap..1@2"):
+            self.check_refused(FLIGHT, "--fault", fault, says="--fault")
+
+    def test_numeric_options(self):
+        self.check_numeric_options(FLIGHT)
+
+    def test_interrupt(self):
+        data = data_folder()
+        if data is None:
+            self.skipTest("needs a long recording: GLISSADE_DATA")
+        # The text comes at the end: four seconds of silence are too many for a flight of 12 s.
+        _, result = self.check_interrupt(data / "vio" / "euroc_v101_map", "--frames", "20",
+                                         "--keyframes", "40", "--iterations", "30", after=None)
+        self.assertLess(result["frames"], 1448)
+
+    def test_version(self):
+        self.check_version()
+
+    def test_help(self):
+        text = self.run_ok("--help")
+        for word in ("Examples:", "Exit code:", "130", "--policy", "--fault", "--batch", *FAULTS):
+            self.assertIn(word, text)
+        for line in text.splitlines():
+            self.assertLessEqual(len(line), 100, line)
+
+    @without_sanitizers
+    def test_recorded_flights_and_drives(self):
+        data = data_folder()
+        if data is None:
+            self.skipTest("needs GLISSADE_DATA or ../shared/data")
+        # Measured 0.020 m, and 4.6 % (bounds leave room for another machine's rounding).
+        flight = self.run_json(data / "vio" / "euroc_v101_map")
+        self.assertLess(flight["ate_m"], 0.04)
+        self.assertLess(flight["yaw_drift_deg"], 0.5)
+        drive = self.run_json(data / "vio" / "kitti_0930_0020")
+        self.assertLess(drive["rpe_percent"], 6.0)
+        self.assertEqual(drive["rpe_length_m"], 100.0)
+
+
+if __name__ == "__main__":
+    main(VioReplayTest)
