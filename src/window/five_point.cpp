@@ -94,7 +94,7 @@ Eigen::Matrix<double, 10, kMonomials> Constraints(const PolynomialMatrix& E) {
 
 }  // namespace
 
-void FivePoint(const Match matches[5], std::vector<Matrix3>* essentials) {
+void FivePoint(const Match matches[5], std::vector<Essential>* essentials) {
   essentials->clear();
   Eigen::Matrix<double, 9, 5> Q;
   for (int k = 0; k < 5; ++k) {
@@ -131,9 +131,8 @@ void FivePoint(const Match matches[5], std::vector<Matrix3>* essentials) {
         v[6] * basis.col(5) + v[7] * basis.col(6) + v[8] * basis.col(7) + v[9] * basis.col(8);
     if (!(e.norm() > 0.0) || !e.allFinite()) continue;
     e.normalize();
-    Matrix3 essential;
-    for (int i = 0; i < 9; ++i)
-      essential(i / 3, i % 3) = e[i];
+    Essential essential;
+    Eigen::Map<Eigen::Matrix<double, 9, 1>>(essential.data()) = e;
     essentials->push_back(essential);
   }
 }

@@ -107,7 +107,7 @@ std::vector<Match> MatchesOf(const Scene& scene, std::size_t i, std::size_t j) {
 struct Pair {
   std::size_t i = 0, j = 0;
   std::vector<Match> matches;
-  Matrix3 R_j_i = Matrix3::Identity();  ///< by the gyroscope
+  Pose T_j_i;  ///< only the rotation, by the gyroscope
   double seconds = 0.0;
   RotationFit rotation;
   double score = 0.0;
@@ -128,8 +128,8 @@ Pair BestPair(const std::vector<ImuPreintegration>& terms, double sigma, const S
       R_i_j = R_i_j * PredictedRotation(terms[k], scene.T_b_r);
       pair.seconds += terms[k].imu.dt;
     }
-    pair.R_j_i = R_i_j.transpose();
-    pair.rotation = FitRotation(pair.matches, sigma, pair.R_j_i);
+    pair.T_j_i = Pose(Matrix3(R_i_j.transpose()), Vector3::Zero());
+    pair.rotation = FitRotation(pair.matches, sigma, pair.T_j_i);
     // Parallax beyond twenty sigma does not make two views much better, nor tracks beyond fifty.
     pair.score = std::min(pair.rotation.median, 20.0) *
                  std::sqrt(std::min(static_cast<double>(pair.matches.size()), 50.0));
@@ -200,7 +200,7 @@ InitVerdict LocateWithOneCamera(const std::vector<ImuPreintegration>& terms, dou
                    "number of tracks that a rotation does not explain", "");
   }
   const double max_angle = std::min(0.1 + 3.0 * gyro_sigma * pair.seconds, 3.2);
-  const RelativePose relative = FindRelativePose(pair.matches, sigma, pair.R_j_i, max_angle);
+  const RelativePose relative = FindRelativePose(pair.matches, sigma, pair.T_j_i, max_angle);
   if (!relative.ok) return Lost(relative.inliers);
   scene->poses[pair.i] = Pose();
   scene->poses[pair.j] =

@@ -15,7 +15,7 @@ namespace glissade::internal {
 namespace {
 
 constexpr double kChi2Median = 1.38629436;  // 2 degrees of freedom
-constexpr int kMaxTrials = 120;
+constexpr int kMaxTrials = 300;
 
 /// xorshift64*, so that the same matches give the same pose everywhere.
 class Draw {
@@ -81,13 +81,14 @@ RelativePose Decompose(const Eigen::Matrix3d& E, const std::vector<Match>& match
 
 }  // namespace
 
-RelativePose FindRelativePose(const std::vector<Match>& matches, double sigma,
-                              const Matrix3& R_expected, double max_angle) {
+RelativePose FindRelativePose(const std::vector<Match>& matches, double sigma, const Pose& expected,
+                              double max_angle) {
   RelativePose best;
+  const Matrix3 R_expected = expected.R();
   if (matches.size() < 8) return best;
   const double max_distance2 = 9.0 * sigma * sigma;
   Draw draw;
-  std::vector<Matrix3> essentials;
+  std::vector<Essential> essentials;
   double best_cost = 1e300, trials = kMaxTrials;
   for (int trial = 0; trial < trials; ++trial) {
     std::array<std::size_t, 5> picked{};
@@ -99,8 +100,8 @@ RelativePose FindRelativePose(const std::vector<Match>& matches, double sigma,
       sample[k] = matches[picked[k]];
     }
     FivePoint(sample.data(), &essentials);
-    for (const Matrix3& candidate : essentials) {
-      const Eigen::Matrix3d E = candidate;
+    for (const Essential& candidate : essentials) {
+      const Eigen::Matrix3d E(Eigen::Map<const Matrix3>(candidate.data()));
       double cost = 0.0;
       for (const Match& m : matches) {
         cost += std::min(Sampson2(E, m), max_distance2);
@@ -124,8 +125,8 @@ RelativePose FindRelativePose(const std::vector<Match>& matches, double sigma,
   return best;
 }
 
-RotationFit FitRotation(const std::vector<Match>& matches, double sigma, const Matrix3& R_start) {
-  Eigen::Matrix3d R = R_start;
+RotationFit FitRotation(const std::vector<Match>& matches, double sigma, const Pose& start) {
+  Eigen::Matrix3d R = start.R();
   // Residual of b against R a on the image plane; d/d(left rotation vector) as of a pinhole.
   const auto residual = [&](const Match& m, Eigen::Matrix<double, 2, 3>* J) {
     const Eigen::Vector3d c = R * Homogeneous(m.a);

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "glissade/base/matrix.h"
+#include "glissade/lie/pose.h"
 
 /// \file
 /// Relative pose of two views of one camera.
@@ -15,11 +17,14 @@ struct Match {
   Vector2 a = Vector2::Zero(), b = Vector2::Zero();
 };
 
+/// An essential matrix, row-major, of unit norm.
+using Essential = std::array<double, 9>;
+
 /// Essential matrices E with (b, 1)' E (a, 1) = 0 for five matches; up to ten. D. Nister, "An
 /// Efficient Solution to the Five-Point Relative Pose Problem" (PAMI 2004), its equations solved by
 /// the action matrix of H. Stewenius, C. Engels, D. Nister, "Recent Developments on Direct Relative
 /// Orientation" (ISPRS 2006).
-void FivePoint(const Match matches[5], std::vector<Matrix3>* essentials);
+void FivePoint(const Match matches[5], std::vector<Essential>* essentials);
 
 struct RelativePose {
   bool ok = false;
@@ -29,19 +34,20 @@ struct RelativePose {
 };
 
 /// RANSAC over FivePoint with a fixed seed: the same matches give the same pose. `sigma` is that of
-/// a coordinate; R_expected, what the gyroscope says, good to max_angle (rad): other rotations are
-/// not looked at. A match fits within 3 sigma (Sampson's distance).
-RelativePose FindRelativePose(const std::vector<Match>& matches, double sigma,
-                              const Matrix3& R_expected, double max_angle);
+/// a coordinate; expected, of which the rotation is used, is what the gyroscope says, good to
+/// max_angle (rad): other rotations are not looked at. A match fits within 3 sigma (Sampson's
+/// distance).
+RelativePose FindRelativePose(const std::vector<Match>& matches, double sigma, const Pose& expected,
+                              double max_angle);
 
 /// How well a rotation alone explains matches: the best one by least squares with Cauchy weights,
-/// from R_start.
+/// from that of start.
 struct RotationFit {
   /// Matches whose distance, in units of its variance, is over the median of chi2 with 2 degrees
   /// of freedom. With nothing but noise: a half.
   int moved = 0;
   double median = 0.0;  ///< distance, in units of its sigma
 };
-RotationFit FitRotation(const std::vector<Match>& matches, double sigma, const Matrix3& R_start);
+RotationFit FitRotation(const std::vector<Match>& matches, double sigma, const Pose& start);
 
 }  // namespace glissade::internal

@@ -96,12 +96,23 @@ InitVerdict Judge(const MotionState& state, const MotionLimits& limits) {
     return Refusal(InitReason::kNotConverged, state.chi2_per_dof, limits.chi2_per_dof,
                    "chi2 per degree of freedom", "");
   }
-  const double most = internal::Chi2Quantile(state.imu_dof, limits.false_alarm) / state.imu_dof;
-  if (v.ok() && !(state.imu_chi2_per_dof <= most)) {
-    return Refusal(InitReason::kNotConverged, state.imu_chi2_per_dof, most,
+  if (v.ok() && !(state.imu_chi2_per_dof <= limits.imu_chi2_per_dof)) {
+    return Refusal(InitReason::kNotConverged, state.imu_chi2_per_dof, limits.imu_chi2_per_dof,
                    "what the IMU adds to chi2, per degree of freedom,", "");
   }
   return v;
+}
+
+/// An IMU that does worse than its noise densities is taken for one with as much more noise.
+void Widen(double false_alarm, MotionState* state) {
+  const double factor = state->imu_chi2_per_dof;
+  if (!(factor > 1.0 &&
+        factor * state->imu_dof > internal::Chi2Quantile(state->imu_dof, false_alarm))) {
+    return;
+  }
+  state->covariance *= factor;
+  for (double* sigma : {&state->gravity_sigma, &state->velocity_sigma, &state->log_scale_sigma})
+    *sigma *= std::sqrt(factor);
 }
 
 InitVerdict Initialize(const InitializationInput& input, MotionState* state) {
@@ -130,6 +141,7 @@ InitVerdict Initialize(const InitializationInput& input, MotionState* state) {
       !v.ok()) {
     return v;
   }
+  Widen(input.limits.false_alarm, state);
   return Judge(*state, input.limits);
 }
 
@@ -140,6 +152,7 @@ Status MotionLimits::Validate() const {
   if (Status s = ValidatePositive(velocity_sigma, "velocity_sigma"); !s.ok()) return s;
   if (Status s = ValidatePositive(log_scale_sigma, "log_scale_sigma"); !s.ok()) return s;
   if (Status s = ValidatePositive(chi2_per_dof, "chi2_per_dof"); !s.ok()) return s;
+  if (Status s = ValidatePositive(imu_chi2_per_dof, "imu_chi2_per_dof"); !s.ok()) return s;
   if (!(false_alarm > 0.0 && false_alarm < 0.5)) {
     return {StatusCode::kInvalidArgument, "false_alarm must be between 0 and 0.5"};
   }

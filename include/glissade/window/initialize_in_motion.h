@@ -25,7 +25,10 @@ struct MotionLimits {
   double log_scale_sigma = 0.10;  ///< one camera: of the trajectory; 0.1 is 10 %
   /// Of all that the last refinement used: more, and model and data do not fit.
   double chi2_per_dof = 2.0;
-  /// Probability to refuse a window in which vision and IMU fit together (MotionState::imu_chi2).
+  /// What joining the IMU may add to chi2, per degree of freedom (MotionState::imu_chi2_per_dof).
+  double imu_chi2_per_dof = 3.0;
+  /// Probability to doubt an IMU that is as good as its noise densities say. One that is doubted,
+  /// and is within the limit above, has its covariance multiplied by what it adds.
   double false_alarm = 1.0e-4;
 
   [[nodiscard]] Status Validate() const;
@@ -61,7 +64,8 @@ struct MotionState {
   std::vector<InitializedFrame> frames;  ///< all of the input, oldest first
   std::vector<InitializedPoint> points;  ///< by track number
   /// Of the newest frame: p, theta (body axes), v, ba, bg, in the gauge that holds position and yaw
-  /// of the first frame.
+  /// of the first frame. Wider where vision and IMU do not quite fit (MotionLimits::false_alarm),
+  /// and so are the sigmas.
   SquareMatrix<15> covariance = SquareMatrix<15>::Zero();
   double gravity_sigma = 0.0;   ///< see MotionLimits
   double velocity_sigma = 0.0;  ///< see MotionLimits
