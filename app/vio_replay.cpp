@@ -3,6 +3,7 @@
 //
 // Hands a recorded run to a sliding window as it would have come from the sensors, and judges what
 // the window said.
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -36,7 +37,8 @@ constexpr const char* kFooter =
 ATE is the RMS of positions after alignment: by yaw and translation with an IMU, by SE(3) without.
 RPE is over 1 s (RMS) and in percent of the distance travelled (mean over pieces of 100 m; of a way
 shorter than 150 m, 10 m; than 15 m, 1 m). Yaw drift is that of the last pose where the first has
-no error. Without ground truth there is everything but these.
+no error. With --time-offset a ground truth that has the frames' own stamps is taken to be on
+their clock, another one on the IMU's. Without ground truth there is everything but errors.
 
 Stages: add (samples, prediction, tracks, triangulation), solve, reject (outliers, IMU terms
 integrated anew), slide (the policy, marginalization). Times are those of the thread's own clock,
@@ -108,11 +110,16 @@ void AddOptions(Program& program, Settings& s) {
   program.AddOutput("--json", &s.json, "Write the figures to FILE");
 }
 
-std::optional<TrajectoryErrors> ErrorsOf(const eval::Trajectory& estimate,
-                                         const eval::Trajectory& reference,
-                                         const JudgeOptions& options) {
-  if (reference.empty()) return {};
-  return Judge(estimate, reference, options);
+/// Absent where the recording has no ground truth.
+std::optional<TrajectoryErrors> ErrorsOf(eval::Trajectory estimate, const Viotracks& recording,
+                                         const Settings& settings) {
+  if (recording.ground_truth.empty()) return {};
+  if (OnFramesClock(recording)) {
+    for (eval::StampedPose& pose : estimate)
+      pose.stamp_ns -= std::llround(1e9 * settings.replay.time_offset_s);
+  }
+  const bool has_imu = recording.imu_noise.has_value() && !settings.replay.no_imu;
+  return Judge(estimate, ReferenceOf(recording), {has_imu, settings.rpe_length_m});
 }
 
 Outcome Run(Settings& settings) {
@@ -133,10 +140,8 @@ Outcome Run(Settings& settings) {
     return RunCausal(*recording, replay, [&] { progress.Advance(); });
   }();
   if (!run.ok()) return Failed(run.status());
-  const eval::Trajectory reference = ReferenceOf(*recording);
-  const JudgeOptions judge{window->imu_noise.has_value(), settings.rpe_length_m};
   const eval::Trajectory trajectory = TrajectoryOf(*run);
-  const auto errors = ErrorsOf(trajectory, reference, judge);
+  const auto errors = ErrorsOf(trajectory, *recording, settings);
   PrintRun(*run, errors);
   std::fflush(TextStream());
 
@@ -150,7 +155,7 @@ Outcome Run(Settings& settings) {
   if (settings.batch && run->initialized_at_s && !Interrupted()) {
     const auto batch = SolveBatch(*recording, replay, *run);
     if (batch.ok()) {
-      const auto batch_errors = ErrorsOf(batch->trajectory, reference, judge);
+      const auto batch_errors = ErrorsOf(batch->trajectory, *recording, settings);
       PrintBatch(*batch, batch_errors);
       json["batch"] = ToJson(*batch, batch_errors);
     } else {

@@ -8,8 +8,8 @@ biases, size of the window, time per frame.
     scripts/plot_trajectory.py flight.csv data/flight flight.png
 
 The second argument is the folder of the recording (VIOTRACKS) or its groundtruth.csv(.gz); "-" for none.
-The error is that of the newest frame as seen from the window's oldest, whose position and yaw are exact in
-the band: what the estimator claims to know. Needs numpy and matplotlib (Debian, Ubuntu: python3-matplotlib).
+The error is that of the newest frame as seen from the window's oldest, whose position and yaw (without an
+IMU: whose pose) are exact in the band: what the estimator claims to know. Needs numpy and matplotlib (Debian, Ubuntu: python3-matplotlib).
 """
 
 import argparse
@@ -156,9 +156,9 @@ def aligned_rigidly(np, p, reference):
     return R, reference.mean(0) - R @ p.mean(0)
 
 
-def window_errors(np, s, truth):
-    """Error of each newest state where the oldest frame has the truth's position and yaw: p (m), theta
-    (rad, body axes); rows of NaN where there is no truth."""
+def window_errors(np, s, truth, has_imu):
+    """Error of each newest state where the oldest frame has the truth's position and yaw (without an IMU:
+    its whole pose): p (m), theta (rad, body axes); rows of NaN where there is no truth."""
     errors = np.full((len(s["timestamp_ns"]), 6), np.nan)
     for k, stamp in enumerate(s["timestamp_ns"]):
         new, old = truth.at(stamp), truth.at(s["oldest_ns"][k])
@@ -168,7 +168,7 @@ def window_errors(np, s, truth):
         R = matrix_of(np, np.array([s[c][k] for c in ("qx", "qy", "qz", "qw")]))
         po = np.array([s[c][k] for c in ("opx", "opy", "opz")])
         Ro = matrix_of(np, np.array([s[c][k] for c in ("oqx", "oqy", "oqz", "oqw")]))
-        turn = rot_z(np, -twist_yaw(np, Ro @ old[1].T))
+        turn = rot_z(np, -twist_yaw(np, Ro @ old[1].T)) if has_imu else old[1] @ Ro.T
         errors[k, :3] = turn @ (p - po) - (new[0] - old[0])
         errors[k, 3:] = log_so3(np, new[1].T @ turn @ R)
         # Sigmas are along the axes of the estimate's world: so are the errors.
@@ -207,10 +207,12 @@ def plot_path(np, axes, s, t, matched, has_imu):
 
 
 def plot_errors(np, axes, s, t, errors):
-    rows = ((axes[0], 0, ("s_px", "s_py", "s_pz"), 1e3, "position error [mm]"),
+    meters = np.nanquantile(abs(errors[:, :3]), 0.9) > 0.3
+    rows = ((axes[0], 0, ("s_px", "s_py", "s_pz"), 1 if meters else 1e3,
+             f"position error [{'m' if meters else 'mm'}]"),
             (axes[1], 3, ("s_rx", "s_ry", "s_rz"), 180 / np.pi, "rotation error [deg]"))
     for ax, first, names, scale, label in rows:
-        band = 3 * scale * np.nanmax([s[name] for name in names], axis=0)
+        band = 3 * scale * np.maximum.reduce([s[name] for name in names])  # NaN where not known
         ax.fill_between(t, -band, band, color=GREY, alpha=0.18, linewidth=0, label="3 sigma, worst axis")
         inside, count = 0, 0
         for k, (name, color) in enumerate(AXES):
@@ -272,22 +274,20 @@ def draw(np, plt, s, truth, path):
         use = np.array([x is not None for x in at])
         if use.sum() > 2:
             matched = use, np.array([x[0] for x in at if x is not None])
-            errors = window_errors(np, s, truth)
+            errors = window_errors(np, s, truth, has_imu)
         if truth.biases is not None:
             biases = np.stack([np.interp(s["timestamp_ns"], truth.stamps, column) for column in truth.biases.T], 1)
+    # On the left the way and what is left over, on the right panels of equal height.
     panels = (2 if errors is not None else 0) + (2 if has_imu else 0) + 2
-    right = (panels + 1) // 2 * 2
-    rows = 1 + panels
-    fig = plt.figure(figsize=(11, max(6.5, 1.15 * right + 1.5)), layout="constrained")
-    left_panels = panels - (panels // 2 + 1)
-    grid = fig.add_gridspec(rows, 2)
-    # On the left the way and what is left over; on the right panels of equal height.
     on_right = panels // 2 + 1
-    left_grid = grid[:, 0].subgridspec(left_panels + 3, 1)
-    right_grid = grid[:, 1].subgridspec(on_right, 1)
+    on_left = panels - on_right
+    fig = plt.figure(figsize=(11, max(6.5, 1.5 + 1.15 * panels)), layout="constrained")
+    left, right = fig.add_gridspec(1, 2)
+    left_grid = left.subgridspec(on_left + 3, 1)
+    right_grid = right.subgridspec(on_right, 1)
     top, height = fig.add_subplot(left_grid[0:2]), fig.add_subplot(left_grid[2])
     slots = [fig.add_subplot(right_grid[k], sharex=height) for k in range(on_right)]
-    slots += [fig.add_subplot(left_grid[3 + k], sharex=height) for k in range(left_panels)]
+    slots += [fig.add_subplot(left_grid[3 + k], sharex=height) for k in range(on_left)]
     plot_path(np, (top, height), s, t, matched, has_imu)
     if errors is not None:
         plot_errors(np, [slots.pop(0), slots.pop(0)], s, t, errors)

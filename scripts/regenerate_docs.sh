@@ -5,8 +5,8 @@
 # regenerate_docs.sh [FOLDER_OF_THE_EXECUTABLES]
 #
 # Makes every picture of docs/images and every number of docs/figures.json anew, and writes them into
-# the documents; `git diff` then shows what has changed. Times are left alone: docs/benchmarks.md has its
-# own commands, for a quiet machine.
+# the documents; `git diff` then shows what has changed. Times are left alone (docs/benchmarks.md has its
+# own commands, for a quiet machine), but for those of docs/windows.md, which are of the thread's own clock.
 #
 # Needs the programs and examples (built with scripts/test.sh, or FOLDER with them) and a Python with
 # numpy and matplotlib (Debian, Ubuntu: python3-matplotlib; or PYTHON=/path/to/venv/bin/python).
@@ -43,5 +43,13 @@ fi
 # Only where GLISSADE_DATA has them: else their pictures and their table stay as they are.
 if [[ -f $results/euroc.json ]]; then
   "$python" scripts/plot_gauge_study.py --recordings "$results/euroc.json" docs/images
+fi
+
+# Policies x recordings, and a run, where GLISSADE_DATA has them.
+scripts/window_table.sh --write "$bin"
+flight=${GLISSADE_DATA:-}/vio/euroc_v101_map
+if [[ -d $flight ]]; then
+  "$bin/vio_replay" "$flight" --states "$results/states.csv" >/dev/null
+  "$python" scripts/plot_trajectory.py "$results/states.csv" "$flight" docs/images/window_euroc_v101.png
 fi
 git --no-pager diff --stat -- docs

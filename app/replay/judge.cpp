@@ -81,6 +81,18 @@ eval::Trajectory ReferenceOf(const Viotracks& recording) {
   return reference;
 }
 
+bool OnFramesClock(const Viotracks& recording) {
+  const auto& truth = recording.ground_truth;
+  const auto known = [&](const ViotracksFrame& frame) {
+    const auto at = std::lower_bound(
+        truth.begin(), truth.end(), frame.stamp_ns,
+        [](const GroundTruthState& state, std::int64_t t) { return state.stamp_ns < t; });
+    return at != truth.end() && at->stamp_ns == frame.stamp_ns;
+  };
+  const auto count = std::count_if(recording.frames.begin(), recording.frames.end(), known);
+  return 10 * count >= 9 * static_cast<std::ptrdiff_t>(recording.frames.size());
+}
+
 TrajectoryErrors Judge(const eval::Trajectory& estimate, const eval::Trajectory& reference,
                        const JudgeOptions& options) {
   TrajectoryErrors errors;

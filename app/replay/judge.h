@@ -39,6 +39,11 @@ double DefaultLength(double path_m);
 /// recording has none.
 eval::Trajectory ReferenceOf(const Viotracks& recording);
 
+/// Whether the truth is on the clock of the recording's frames, and not on that of its IMU: it has
+/// nine tenths of their very stamps. Then a pose is judged at its frame's own stamp, else at that
+/// with the offset between the clocks.
+bool OnFramesClock(const Viotracks& recording);
+
 TrajectoryErrors Judge(const eval::Trajectory& estimate, const eval::Trajectory& reference,
                        const JudgeOptions& options);
 

@@ -4,7 +4,12 @@
 """vio_replay: its figures on a simulated flight and on recorded ones, faults, and what it refuses."""
 
 import csv
+import gzip
+import importlib.util
 import math
+import subprocess
+import sys
+import unittest
 
 from app_test_util import ROOT, AppTest, data_folder, main, without_sanitizers
 
@@ -76,6 +81,36 @@ class VioReplayTest(AppTest):
 
     def test_a_wrong_time_offset_is_worse(self):
         self.assertGreater(self.replay("--time-offset", "0.03")["ate_m"], 1.5 * self.replay()["ate_m"])
+
+    def test_the_clock_of_the_truth(self):
+        """Frames 50 ms late, and told so: the same run, whichever clock the truth is on."""
+        def late(text):
+            rows = [line.split(",") for line in text.splitlines() if line and not line.startswith("#")]
+            at = 1 if len(rows[0]) == 2 else 0
+            for row in rows:
+                row[at] = str(int(row[at]) + 50_000_000)
+            return "\n".join(",".join(row) for row in rows) + "\n"
+
+        healthy = self.replay()
+        for shifted in (("frames.csv.gz",), ("frames.csv.gz", "groundtruth.csv.gz")):
+            for path in FLIGHT.iterdir():
+                data = path.read_bytes()
+                if path.name in shifted:
+                    data = gzip.compress(late(gzip.decompress(data).decode()).encode())
+                (self.folder / path.name).write_bytes(data)
+            result = self.run_json(".", "--time-offset=-0.05")
+            self.assertEqual(result["estimates"], healthy["estimates"])
+            self.assertAlmostEqual(result["ate_m"], healthy["ate_m"], places=9)
+            self.assertGreater(self.run_json(".")["ate_m"], 1.5 * healthy["ate_m"])
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "needs matplotlib")
+    def test_states_can_be_drawn(self):
+        for name, more, truth in (("a", (), FLIGHT), ("b", ("--no-imu",), FLIGHT), ("c", (), "-")):
+            self.run_ok(FLIGHT, "--states", f"{name}.csv", *more)
+            done = subprocess.run([sys.executable, ROOT / "scripts" / "plot_trajectory.py", f"{name}.csv", truth,
+                                   f"{name}.png"], cwd=self.folder, capture_output=True, text=True, check=False)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertGreater((self.folder / f"{name}.png").stat().st_size, 20000)
 
     @without_sanitizers
     def test_the_batch_is_the_bound(self):
