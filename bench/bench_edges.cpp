@@ -3,7 +3,7 @@
 //
 // Edges of other forms and types against EdgeReprojection on the same windows, in turn, in one
 // process:
-//   bench_edges [--rounds N] FILE...
+//   bench_edges [--rounds N] [--only TEXT] FILE...
 // For each file: time of a solve of 8 steps over that of the same window with EdgeReprojection; per
 // residual where the number of residuals is another one. GLISSADE_ISA chooses the library's
 // kernels; users' edges are compiled with this unit's flags.
@@ -73,8 +73,18 @@ Problem Exchanged(const Problem& window, const Make& make, const Loss& loss = {}
   return problem;
 }
 
-/// The same landmarks as points in the world, seen by their hosts too.
-Problem AsPoints(const Problem& window) {
+/// Where a camera sees a point.
+Vector2 Seen(const Pose& T_w_b, const Pose& T_b_c, const VertexPointXYZ& point) {
+  EdgeReprojectionXYZ edge;
+  edge.T_b_c = T_b_c;
+  Vector2 r = Vector2::Zero();
+  if (!edge.Evaluate(VertexPose{T_w_b}, point, r, nullptr, nullptr)) std::abort();
+  return r;
+}
+
+/// The same landmarks as points in the world, seen by their hosts too; by two cameras, 10 cm apart,
+/// with the same residuals.
+Problem AsPoints(const Problem& window, bool two_cameras = false, const Loss& loss = {}) {
   Problem problem = window.Clone();
   const std::vector<Observation> all = ObservationsOf(problem);
   std::map<std::uint32_t, VertexHandle<VertexPointXYZ>> points;
@@ -84,7 +94,15 @@ Problem AsPoints(const Problem& window) {
     edge.T_b_c = o.edge.T_b_c;
     EdgeOptions<EdgeReprojectionXYZ> options;
     options.sqrt_information = o.L;
-    if (!problem.AddEdge(edge, {pose, points.at(o.depth.slot)}, options).ok()) std::abort();
+    options.loss = loss;
+    const VertexHandle<VertexPointXYZ> point = points.at(o.depth.slot);
+    if (!problem.AddEdge(edge, {pose, point}, options).ok()) std::abort();
+    if (!two_cameras) return;
+    const Pose T_w_b = problem.Get(pose).pose;
+    const Vector2 left = Seen(T_w_b, edge.T_b_c, problem.Get(point));
+    edge.T_b_c.p() += edge.T_b_c.R() * Vector3(0.1, 0.0, 0.0);
+    edge.uv += Seen(T_w_b, edge.T_b_c, problem.Get(point)) - left;
+    if (!problem.AddEdge(edge, {pose, point}, options).ok()) std::abort();
   };
   for (const Observation& o : all) {
     if (!points.contains(o.depth.slot)) {
@@ -180,6 +198,13 @@ std::vector<Row> Rows() {
   rows.push_back({"EdgeReprojectionXYZ, per residual",
                   [](const Problem& window) { return std::pair(window.Clone(), AsPoints(window)); },
                   true});
+  rows.push_back({"EdgeReprojectionXYZ, two cameras",
+                  [](const Problem& window) {
+                    Problem points = AsPoints(window, true, Cauchy{2.0});
+                    MoveFirstEstimates(&points);
+                    return std::pair(window.Clone(), std::move(points));
+                  },
+                  true});
   const auto full = [](const Problem& window) {
     Problem moved = window.Clone();
     MoveFirstEstimates(&moved);
@@ -193,10 +218,12 @@ std::vector<Row> Rows() {
   return rows;
 }
 
-void Compare(const std::string& file, const std::vector<ViowinWindow>& windows, int rounds) {
+void Compare(const std::string& file, const std::vector<ViowinWindow>& windows, int rounds,
+             const std::string& only) {
   std::printf("%s, %zu windows, library with %s, this unit's packs of %d\n", file.c_str(),
               windows.size(), InstructionSetName(), kPackWidth);
   for (const Row& row : Rows()) {
+    if (std::string(row.name).find(only) == std::string::npos) continue;
     std::vector<double> ratios, reference, other;
     for (const ViowinWindow& window : windows) {
       Problem problem;
@@ -229,14 +256,19 @@ void Compare(const std::string& file, const std::vector<ViowinWindow>& windows, 
 
 int main(int argc, char** argv) {
   std::vector<std::string> files;
+  std::string only;
   int rounds = 3;
   for (int k = 1; k < argc; ++k) {
     const std::string arg = argv[k];
     if (arg == "--rounds" && k + 1 < argc) {
       rounds = std::max(1, std::atoi(argv[++k]));
+    } else if (arg == "--only" && k + 1 < argc) {
+      only = argv[++k];  // rows whose name has it
     } else if (arg.rfind("--", 0) == 0) {
-      std::fprintf(stderr, "bench_edges: unknown option %s\nbench_edges [--rounds N] FILE...\n",
-                   arg.c_str());
+      std::fprintf(
+          stderr,
+          "bench_edges: unknown option %s\nbench_edges [--rounds N] [--only TEXT] FILE...\n",
+          arg.c_str());
       return 2;
     } else {
       files.push_back(arg);
@@ -248,7 +280,7 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "bench_edges: %s\n", windows.status().message().c_str());
       return 2;
     }
-    Compare(file, *windows, rounds);
+    Compare(file, *windows, rounds, only);
   }
   return files.empty() ? 2 : 0;
 }

@@ -79,16 +79,47 @@ GaugeVectors::GaugeVectors(const Graph& graph, const Structure& structure,
       }
     }
   }
-  if (orbit.group() != GaugeGroup::kMono || structure.groups().empty()) return;
-  const VertexPoolBase& depths = *graph.PoolOf(&kTypeInfo<VertexInverseDepth>);
-  for (const std::int32_t landmark : structure.groups().landmark_of_lane) {
-    lanes_.push_back(landmark < 0 ? 0.0 : -GaugeState(depths, landmark, point)[0]);
+  FillLanes(graph, structure, point, orbit);
+}
+
+void GaugeVectors::FillLanes(const Graph& graph, const Structure& structure,
+                             const LinearizedStates& point, const Orbit& orbit) {
+  const LandmarkPlan& plan = structure.groups();
+  const bool has_scale = orbit.group() == GaugeGroup::kMono;
+  first_of_lanes_ = dim_;
+  for (const LandmarkGroup& group : plan.groups) {
+    if (group.dim > 1) first_of_lanes_ = 0;
+  }
+  // Inverse depths move with the scale only, the last direction.
+  if (has_scale && !plan.empty()) first_of_lanes_ = std::min(first_of_lanes_, dim_ - 1);
+  if (first_of_lanes_ == dim_) return;
+  lanes_.assign(Index(plan.step_size) * Index(dim_), 0.0);
+  for (const LandmarkGroup& group : plan.groups) {
+    const VertexPoolBase& pool = *graph.vertex_pools()[Index(group.pool)];
+    double* rows = lanes_.data() + Index(group.step_begin) * Index(dim_);
+    for (std::int32_t s = 0; s < group.used; ++s, rows += group.dim * dim_) {
+      const std::int32_t landmark = plan.landmark_of_lane[Index(group.lane_begin + s)];
+      const double* state = GaugeState(pool, landmark, point);
+      if (group.dim > 1) {
+        orbit.Directions(pool.HandleAt(landmark), state, rows);
+      } else if (has_scale) {
+        rows[dim_ - 1] = -state[0];
+      }
+    }
   }
 }
 
-std::vector<double> GaugeVectors::Whole(const Structure& structure, int direction) const {
+std::vector<double> GaugeVectors::Lanes(const Structure& structure, int direction) const {
   std::vector<double> u(Index(structure.num_pose_scalars() + structure.num_landmark_scalars()),
                         0.0);
+  double* out = u.data() + structure.num_pose_scalars() + structure.groups().first_step;
+  for (std::size_t k = Index(direction); k < lanes_.size(); k += Index(dim_))
+    *out++ = lanes_[k];
+  return u;
+}
+
+std::vector<double> GaugeVectors::Whole(const Structure& structure, int direction) const {
+  std::vector<double> u = Lanes(structure, direction);
   const auto copy = [&](const double* from, int rows, int to) {
     for (int r = 0; from != nullptr && r < rows; ++r)
       u[Index(to + r)] = from[r * dim_ + direction];
@@ -99,10 +130,6 @@ std::vector<double> GaugeVectors::Whole(const Structure& structure, int directio
   for (std::size_t l = 0; l < structure.landmarks().size(); ++l) {
     copy(Landmark(static_cast<int>(l)), structure.landmarks()[l].dim,
          structure.num_pose_scalars() + structure.landmarks()[l].step);
-  }
-  if (!lanes_.empty() && direction == dim_ - 1) {
-    std::copy(lanes_.begin(), lanes_.end(),
-              u.begin() + structure.num_pose_scalars() + structure.groups().first_step);
   }
   return u;
 }

@@ -26,12 +26,17 @@ class GaugeVectors {
   /// Rows of a pose block, dim(block) x dim() row-major; null where they are zero.
   [[nodiscard]] const double* Pose(int block) const { return At(block); }
   [[nodiscard]] const double* Landmark(int landmark) const { return At(num_poses_ + landmark); }
-  /// Whether landmarks in groups move.
-  [[nodiscard]] bool has_lanes() const { return !lanes_.empty(); }
+  /// The first direction that landmarks in groups move in, as they do in those after it; dim():
+  /// none.
+  [[nodiscard]] int first_of_lanes() const { return first_of_lanes_; }
   /// One direction over all variables, in the order of NormalEquations::step().
   [[nodiscard]] std::vector<double> Whole(const Structure& structure, int direction) const;
+  /// The same with zeros for all but the landmarks in groups.
+  [[nodiscard]] std::vector<double> Lanes(const Structure& structure, int direction) const;
 
  private:
+  void FillLanes(const Graph& graph, const Structure& structure, const LinearizedStates& point,
+                 const Orbit& orbit);
   [[nodiscard]] const double* At(int block) const {
     const int begin = begin_[static_cast<std::size_t>(block)];
     return begin < 0 ? nullptr : values_.data() + begin;
@@ -41,7 +46,8 @@ class GaugeVectors {
   int num_poses_ = 0;
   std::vector<int> begin_;  // per pose block, then per landmark
   std::vector<double> values_;
-  std::vector<double> lanes_;  // scale only
+  int first_of_lanes_ = 0;
+  std::vector<double> lanes_;  // rows of landmarks in groups, in the order of their step
 };
 
 }  // namespace glissade

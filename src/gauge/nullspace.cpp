@@ -69,15 +69,10 @@ Forms FormsOf(const Graph& graph, const Structure& structure, NormalEquations* e
   }
   for (int k = 0; k < n; ++k)
     forms.total[k] += forms.by_vertex[k];
-  if (vectors.has_lanes()) {
-    // Inverse depths in groups move with the scale only, the last direction.
-    const int k = n - 1;
-    const std::vector<double> u = vectors.Whole(structure, k);
-    forms.total[k] = equations->QuadraticForm(structure, graph, u);
-    for (std::size_t i = Index(structure.num_pose_scalars() + structure.groups().first_step);
-         i < u.size(); ++i) {
-      forms.by_vertex[k] += equations->diagonal()[i] * u[i] * u[i];
-    }
+  for (int k = vectors.first_of_lanes(); k < n; ++k) {
+    forms.total[k] = equations->QuadraticForm(structure, graph, vectors.Whole(structure, k));
+    // No two of them share an edge.
+    forms.by_vertex[k] += equations->QuadraticForm(structure, graph, vectors.Lanes(structure, k));
   }
   return forms;
 }

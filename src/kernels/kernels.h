@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "kernels/losses.h"
+#include "kernels/points.h"
 #include "kernels/schur.h"
 #include "kernels/twists.h"
 #include "kernels/two_view.h"
@@ -148,7 +149,7 @@ struct KernelTable {
   void (*lane_landmarks)(int rows, int lanes, int count, int dl, const double* J, const double* r,
                          const int64_t* offset, double* base);
 
-  // ---- Landmarks of one host, poses as twists (kernels/twists.h) -------------------------------
+  // ---- Landmarks in groups, poses as twists (kernels/twists.h) ---------------------------------
 
   /// Residuals and Jacobians of reprojections (kernels/two_view.h); finite where a lane does not
   /// count.
@@ -161,24 +162,35 @@ struct KernelTable {
                        double* cost);
   /// Adds what a run of edges makes. Returns 0 where a sum is not finite, else 1.
   int (*twist_sums)(const TwistRun* run, const TwistTotals* to);
-  /// One column per lane, of n = 7 + 6 num_targets rows rounded up to kPanelRows:
-  ///   [beta; scale * W_host; scale * W_target 0; ...]   in twists.
+  /// The same for points (kernels/points.h), J_l of three columns.
+  int (*point_sums)(const TwistRun* run, const PointTotals* to);
+  /// As two_view_sums and two_view_cost.
+  int (*point_view_sums)(const PointViewRun* run, const TwoViewWeights* weights,
+                         const PointTotals* to, double* cost);
+  double (*point_view_cost)(const PointViewRun* run, const TwoViewWeights* weights);
+  /// Adds what a pose sees of the points of a group to theirs and to its own. Returns 0 where a sum
+  /// is not finite, else 1.
+  int (*point_frame_sums)(const PointFrame* frame);
+  /// [beta'; W C'] of a group's landmarks, dim columns per lane, of n = 1 + 6 (frames of W) rows
+  /// rounded up to kPanelRows; beta = C b_l. That of lane s and component k is column dim s + k.
   /// Rows of targets that do not see the lane are zero up to the end of their block of kPanelRows,
   /// and not written in the blocks after that.
-  void (*twist_panel)(const TwistGroup* group, const double* scale, const double* beta, double* w);
+  void (*twist_panel)(const TwistGroup* group, const double* factor, const double* beta, double* w);
   /// reduced = -w w' of such a panel, lower triangle, column-major with its stride. The upper
   /// triangle and what belongs to rows beyond n is scratch.
   void (*twist_reduce)(const TwistGroup* group, const double* w, double* reduced);
-  /// product = W' xi per lane; twists: 6 numbers for the host, then for each target.
+  /// product = W' xi per lane, dim arrays; twists: 6 numbers for the host, then for each target.
   void (*twist_transpose_product)(const TwistGroup* group, const double* twists, double* product);
   /// sums = W u, in twists: 6 numbers for the host, then for each target.
   void (*twist_product)(const TwistGroup* group, const double* u, double* sums);
-  /// Pivots of `count` scalar landmarks: inverse_h = 1 / (h + lambda clamp(h, min, max)), scale =
-  /// its square root, beta = b scale; what lies beyond in the last vector is set to 0.
-  /// Returns the first lane whose pivot is not positive and finite, or -1.
-  int (*landmark_pivots)(int count, const double* h, const double* b, double lambda,
-                         double min_diagonal, double max_diagonal, double* inverse_h, double* scale,
-                         double* beta);
+  /// C of each landmark (TwistGroup) from h = H_ll, with lambda clamp(diagonal, min, max) as
+  /// damping, and beta = C b; finite numbers in lanes of the last vector that have no landmark.
+  /// Returns the first lane with a pivot that is not positive and finite, or -1.
+  int (*landmark_pivots)(const TwistGroup* group, const double* h, const double* b, double lambda,
+                         double min_diagonal, double max_diagonal, double* factor, double* beta);
+  /// step = C'C (b - product), dim arrays of lanes; b null: 0.
+  void (*landmark_steps)(const TwistGroup* group, const double* factor, const double* b,
+                         const double* product, double* step);
   /// blocks[m] += block (i, j) of `reduced` (6 x 6 blocks, column-major with `stride`) for all i >=
   /// j, with m the next number of map; transposed into block ~m where m < 0; INT32_MIN: left out.
   /// Blocks are column-major with columns of 8, of which the last two are scratch; so are two

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Data of the kernels for landmarks of one number that all are seen from one host, by edges that
-// know the poses of host and target by their relative pose alone. Lanes are landmarks.
+// Data of the kernels for landmarks in groups: those of one number that all are seen from one host,
+// by edges that know the poses of host and target by their relative pose alone; and points in the
+// world (kernels/points.h). Lanes are landmarks.
 //
 // Poses are linearized as twists about a point o common to all frames, xi = (v, w): dX = v + w x (X
 // - o). A change of both poses by the same twist changes no relative pose, so that of a row of the
@@ -56,17 +57,23 @@ struct TwistRun {
   const double* weight;  ///< null: 1; else multiplies r, J_l and J, per lane
 };
 
-/// What a target has of a group after its runs.
+/// What a target, or a pose that sees points, has of a group after its runs.
 struct TwistTarget {
-  int32_t lanes;        ///< multiple of kLaneBlock: the landmarks beyond are not seen
-  const double* force;  ///< six arrays of `lanes`
+  int32_t used;         ///< after the last lane that it sees
+  int32_t lanes;        ///< that rounded up to a multiple of kLaneBlock
+  const double* force;  ///< six arrays of `lanes`; of points F (kernels/points.h)
 };
 
+/// W of a group has rows for the host, if there is one, and then for each target. What there is of
+/// a landmark in arrays of lanes has `dim` of them, or dim (dim + 1) / 2 of a lower triangle by
+/// rows: H_ll, and C with (H_ll + damping)^-1 = C'C.
 struct TwistGroup {
-  int32_t lanes;  ///< multiple of kLaneBlock
+  int32_t dim;    ///< of a landmark: 1, with a host; 3: points, without
+  int32_t used;   ///< lanes that have a landmark
+  int32_t lanes;  ///< that rounded up to a multiple of kLaneBlock
   int32_t num_targets;
   const TwistTarget* targets;  ///< by falling number of lanes
-  const double* b;             ///< b_l per lane
+  const double* X;             ///< of points: relative to o
 };
 
 }  // namespace glissade::kernels

@@ -190,8 +190,9 @@ StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& 
   for (int c = 0; c < structure.num_chunks(); ++c) {
     const int lane = chunks_[Index(c)].failed_lane;
     if (lane < 0) continue;
-    return CannotEliminate(graph.Pool<VertexInverseDepth>()->HandleAt(
-        structure.groups().landmark_of_lane[Index(lane)]));
+    const LandmarkPlan& plan = structure.groups();
+    return CannotEliminate(graph.vertex_pools()[Index(plan.PoolOfLane(lane))]->HandleAt(
+        plan.landmark_of_lane[Index(lane)]));
   }
 
   const int threads_used = !structure.landmarks().empty() ? threads->num_threads() : 1;

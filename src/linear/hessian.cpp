@@ -138,12 +138,8 @@ void NormalEquations::FillDiagonal(const Structure& structure) {
     for (int i = 0; i < pose.dim; ++i)
       diagonal_[Index(pose.offset + i)] += constants_[k].data[i * (constants_[k].stride + 1)];
   }
-  const std::size_t first_lane = Index(num_poses_scalars_ + structure.groups().first_step);
-  const std::size_t lanes = structure.groups().landmark_of_lane.size();
-  for (std::size_t k = 0; k < lanes; ++k) {
-    diagonal_[first_lane + k] = twists_->h()[k];
-    b_[first_lane + k] = twists_->b()[k];
-  }
+  const std::size_t first = Index(num_poses_scalars_ + structure.groups().first_step);
+  twists_->FillDiagonal(structure, diagonal_.data() + first, b_.data() + first);
 }
 
 // The same of a chunk's landmarks, as long as their records are in the cache.

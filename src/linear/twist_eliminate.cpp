@@ -18,6 +18,18 @@ using internal::Index;
 constexpr int kBlockStride = 8;
 constexpr std::size_t kBlockSize = 6 * kBlockStride;
 
+/// From arrays of lanes to what the landmarks have one after the other.
+void FromLanes(const LandmarkGroup& group, const double* lanes, double* out) {
+  if (group.dim == 1) {
+    std::copy_n(lanes, group.lanes, out);
+    return;
+  }
+  for (std::int32_t l = 0; l < group.lanes; ++l, out += group.dim) {
+    for (int i = 0; i < group.dim; ++i)
+      out[i] = lanes[i * group.lanes + l];
+  }
+}
+
 void MirrorLower(double* block) {
   for (int c = 0; c < 6; ++c) {
     for (int r = c + 1; r < 6; ++r)
@@ -41,33 +53,30 @@ int TwistTerms::Eliminate(const Structure& structure, const DampingTerm& damping
   out.twist_rhs.assign(6 * structure.poses().size(), 0.0);
   for (int g = plan.chunk_begin[Index(chunk)]; g < plan.chunk_begin[Index(chunk) + 1]; ++g) {
     const LandmarkGroup& group = plan.groups[Index(g)];
-    const kernels::TwistGroup* host = &groups_[Index(g)];
-    const std::size_t begin = Index(group.lane_begin);
-    // Padding is at the end. Identity damping: both bounds of the diagonal at 1.
-    std::int32_t count = group.lanes;
-    while (count > 0 && plan.landmark_of_lane[begin + Index(count - 1)] < 0)
-      --count;
+    const kernels::TwistGroup* lanes = &groups_[Index(g)];
+    double* const factor = factor_.data() + h_begin_[Index(g)];
+    double* const beta = beta_.data() + group.step_begin;
+    // Identity damping: both bounds of the diagonal at 1.
     const bool damps_diagonal = !damping.reduced_only && !damping.identity;
     const int bad = kernel.landmark_pivots(
-        count, h_.data() + begin, b_.data() + begin, damping.reduced_only ? 0.0 : damping.lambda,
-        damps_diagonal ? damping.min_diagonal : 1.0, damps_diagonal ? damping.max_diagonal : 1.0,
-        inverse_h_.data() + begin, scale_.data() + begin, beta_.data() + begin);
-    if (bad >= 0) return static_cast<int>(begin) + bad;
-    // C = -W W' over [rhs; host; targets]: the first column holds what goes to the right-hand side.
-    const int rows = 7 + 6 * host->num_targets;
+        lanes, h_.data() + h_begin_[Index(g)], b_.data() + group.step_begin,
+        damping.reduced_only ? 0.0 : damping.lambda, damps_diagonal ? damping.min_diagonal : 1.0,
+        damps_diagonal ? damping.max_diagonal : 1.0, factor, beta);
+    if (bad >= 0) return group.lane_begin + bad;
+    // -W W' over [rhs; frames]: the first column holds what goes to the right-hand side.
+    const int rows = 1 + 6 * group.num_frames();
     const int stride = (rows + kernels::kPanelRows - 1) / kernels::kPanelRows * kernels::kPanelRows;
-    const std::size_t panel = Index(stride) * Index(group.lanes);
+    const std::size_t panel = Index(stride) * Index(group.dim * group.lanes);
     const std::size_t square = Index(stride) * Index(stride);
     if (out.panel.size() < panel) out.panel.resize(panel);
     if (out.reduced.size() < square + kBlockStride) out.reduced.resize(square + kBlockStride);
-    kernel.twist_panel(host, scale_.data() + begin, beta_.data() + begin, out.panel.data());
-    kernel.twist_reduce(host, out.panel.data(), out.reduced.data());
+    kernel.twist_panel(lanes, factor, beta, out.panel.data());
+    kernel.twist_reduce(lanes, out.panel.data(), out.reduced.data());
     const std::int32_t* map = chunk_map_.data() + group.map_begin;
-    kernel.add_twist_blocks(host->num_targets + 1, map, out.reduced.data() + 1 + stride, stride,
+    kernel.add_twist_blocks(group.num_frames(), map, out.reduced.data() + 1 + stride, stride,
                             out.blocks.data());
-    for (int i = 0; i <= host->num_targets; ++i) {
-      const std::int32_t block =
-          i == 0 ? group.host.block : plan.pairs[Index(group.pair_begin + i - 1)].target.block;
+    for (int i = 0; i < group.num_frames(); ++i) {
+      const std::int32_t block = plan.FrameBlock(group, i);
       if (block < 0) continue;
       for (int k = 0; k < 6; ++k)
         out.twist_rhs[Index(6 * block + k)] += out.reduced[Index(1 + 6 * i + k)];
@@ -173,12 +182,13 @@ void TwistTerms::FillTwists(const Structure& structure, const double* x, int gro
   const LandmarkPlan& plan = structure.groups();
   const LandmarkGroup& g = plan.groups[Index(group)];
   AlignedDoubles& twists = chunk->twists;
-  const int num_frames = g.pair_end - g.pair_begin + 1;
+  const int num_frames = g.num_frames();
   if (twists.size() < Index(6 * num_frames)) twists.resize(Index(6 * num_frames));
-  if (chunk->product.size() < Index(g.lanes)) chunk->product.resize(Index(g.lanes));
+  for (AlignedDoubles* array : {&chunk->product, &chunk->steps}) {
+    if (array->size() < Index(g.dim * g.lanes)) array->resize(Index(g.dim * g.lanes));
+  }
   for (int k = 0; k < num_frames; ++k) {
-    const std::int32_t block =
-        k == 0 ? g.host.block : plan.pairs[Index(g.pair_begin + k - 1)].target.block;
+    const std::int32_t block = plan.FrameBlock(g, k);
     double* xi = twists.data() + 6 * k;
     std::fill_n(xi, 6, 0.0);
     if (block < 0) continue;
@@ -200,29 +210,29 @@ void TwistTerms::SubtractProduct(const Structure& structure, const double* x, in
   for (int g = plan.chunk_begin[Index(index)]; g < plan.chunk_begin[Index(index) + 1]; ++g) {
     const LandmarkGroup& group = plan.groups[Index(g)];
     FillTwists(structure, x, g, chunk);
-    double* const u = chunk->product.data();
-    kernel.twist_transpose_product(&groups_[Index(g)], chunk->twists.data(), u);
-    for (std::int32_t l = 0; l < group.lanes; ++l)
-      u[l] *= inverse_h_[Index(group.lane_begin + l)];
-    const int num_frames = group.pair_end - group.pair_begin + 1;
+    const kernels::TwistGroup* lanes = &groups_[Index(g)];
+    kernel.twist_transpose_product(lanes, chunk->twists.data(), chunk->product.data());
+    // -H_ll^-1 W' x.
+    kernel.landmark_steps(lanes, factor_.data() + h_begin_[Index(g)], nullptr,
+                          chunk->product.data(), chunk->steps.data());
+    const int num_frames = group.num_frames();
     if (chunk->sums.size() < Index(6 * num_frames)) chunk->sums.resize(Index(6 * num_frames));
-    kernel.twist_product(&groups_[Index(g)], u, chunk->sums.data());
+    kernel.twist_product(lanes, chunk->steps.data(), chunk->sums.data());
     for (int k = 0; k < num_frames; ++k) {
-      const std::int32_t block =
-          k == 0 ? group.host.block : plan.pairs[Index(group.pair_begin + k - 1)].target.block;
+      const std::int32_t block = plan.FrameBlock(group, k);
       if (block < 0) continue;
       const double* T = projected_maps_[Index(block)].T;
       const double* sum = chunk->sums.data() + 6 * k;
       double* out = y + structure.poses()[Index(block)].offset;
       for (int r = 0; r < 6; ++r) {
         for (int c = 0; c < 6; ++c)
-          out[c] -= T[8 * r + c] * sum[r];
+          out[c] += T[8 * r + c] * sum[r];
       }
     }
   }
 }
 
-// step = (b_l - W' dx) / h for the lanes of a chunk.
+// step = H_ll^-1 (b_l - W' dx) for the lanes of a chunk.
 void TwistTerms::BackSubstitute(const Structure& structure, const std::vector<double>& dx,
                                 int index, double* step) {
   const LandmarkPlan& plan = structure.groups();
@@ -232,12 +242,23 @@ void TwistTerms::BackSubstitute(const Structure& structure, const std::vector<do
   for (int g = plan.chunk_begin[Index(index)]; g < plan.chunk_begin[Index(index) + 1]; ++g) {
     const LandmarkGroup& group = plan.groups[Index(g)];
     FillTwists(structure, dx.data(), g, chunk);
-    const double* product = chunk->product.data();
-    kernels::Kernels().twist_transpose_product(&groups_[Index(g)], chunk->twists.data(),
-                                               chunk->product.data());
-    for (std::int32_t l = 0; l < group.lanes; ++l) {
-      const std::size_t lane = Index(group.lane_begin + l);
-      out[lane] = (b_[lane] - product[l]) * inverse_h_[lane];
+    const kernels::KernelTable& kernel = kernels::Kernels();
+    kernel.twist_transpose_product(&groups_[Index(g)], chunk->twists.data(), chunk->product.data());
+    kernel.landmark_steps(&groups_[Index(g)], factor_.data() + h_begin_[Index(g)],
+                          b_.data() + group.step_begin, chunk->product.data(), chunk->steps.data());
+    FromLanes(group, chunk->steps.data(), out + group.step_begin);
+  }
+}
+
+void TwistTerms::FillDiagonal(const Structure& structure, double* diagonal, double* b) const {
+  const LandmarkPlan& plan = structure.groups();
+  for (std::size_t g = 0; g < plan.groups.size(); ++g) {
+    const LandmarkGroup& group = plan.groups[g];
+    FromLanes(group, b_.data() + group.step_begin, b + group.step_begin);
+    for (int i = 0; i < group.dim; ++i) {
+      const double* h = h_.data() + h_begin_[g] + i * (i + 3) / 2 * group.lanes;
+      for (std::int32_t l = 0; l < group.lanes; ++l)
+        diagonal[group.step_begin + group.dim * l + i] = h[l];
     }
   }
 }
@@ -255,9 +276,14 @@ double TwistTerms::QuadraticForm(const Structure& structure, const Graph& graph,
     FillTwists(structure, d.data(), static_cast<int>(g), chunk);
     kernels::Kernels().twist_transpose_product(&groups_[g], chunk->twists.data(),
                                                chunk->product.data());
-    for (std::int32_t l = 0; l < group.lanes; ++l) {
-      const std::size_t lane = Index(group.lane_begin + l);
-      sum += dl[lane] * (2.0 * chunk->product[Index(l)] + h_[lane] * dl[lane]);
+    const double* x = dl + group.step_begin;
+    const double* H = h_.data() + h_begin_[g];
+    for (std::int32_t l = 0; l < group.used; ++l, x += group.dim) {
+      for (int i = 0, term = 0; i < group.dim; ++i) {
+        sum += 2.0 * x[i] * chunk->product[Index(i * group.lanes + l)];
+        for (int j = 0; j <= i; ++j, ++term)
+          sum += (i == j ? 1.0 : 2.0) * x[i] * x[j] * H[term * group.lanes + l];
+      }
     }
   }
   return sum;

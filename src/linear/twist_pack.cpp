@@ -37,22 +37,33 @@ void TwistTerms::Pack(const Structure& structure, const Graph& graph) {
   groups_.clear();
   targets_.clear();
   max_values_ = max_work_ = max_rows_ = 0;
-  const std::size_t lanes = plan.landmark_of_lane.size();
-  for (auto* array : {&b_, &h_, &scale_, &beta_, &inverse_h_, &depth_})
-    array->assign(lanes, 0.0);
+  h_begin_.clear();
+  std::int32_t h_size = 0;
+  for (const LandmarkGroup& group : plan.groups) {
+    h_begin_.push_back(h_size);
+    h_size += group.dim * (group.dim + 1) / 2 * group.lanes;
+  }
+  for (auto* array : {&h_, &factor_})
+    array->assign(Index(h_size), 0.0);
+  for (auto* array : {&b_, &beta_, &state_, &point_})
+    array->assign(Index(plan.step_size), 0.0);
   force_.assign(6 * Index(plan.pair_lanes), 0.0);
   has_run_.assign(plan.pairs.size(), 0);
   force_is_set_.assign(plan.pairs.size(), 0);
-  std::size_t max_pairs = 0;
+  std::size_t max_pairs = 0, max_pull = 0;
   for (const LandmarkPair& pair : plan.pairs)
-    targets_.push_back({pair.lanes, force_.data() + 6 * std::int64_t{pair.begin}});
+    targets_.push_back({pair.used, pair.lanes, force_.data() + 6 * std::int64_t{pair.begin}});
   for (const LandmarkGroup& group : plan.groups) {
     const std::int32_t pairs = group.pair_end - group.pair_begin;
     max_pairs = std::max(max_pairs, Index(pairs));
-    groups_.push_back(
-        {group.lanes, pairs, targets_.data() + group.pair_begin, b_.data() + group.lane_begin});
+    groups_.push_back({group.dim, group.used, group.lanes, pairs,
+                       targets_.data() + group.pair_begin, point_.data() + group.step_begin});
+    std::size_t pull = 0;
+    for (std::int32_t p = group.pair_begin; p < group.pair_end && group.dim > 1; ++p)
+      pull += 3 * Index(plan.pairs[Index(p)].lanes);
+    max_pull = std::max(max_pull, pull);
     for (std::int32_t r = group.run_begin; r < group.run_end; ++r)
-      PackRun(plan, graph, group.host.pose, r);
+      PackRun(plan, graph, group, r);
     segment_begin_.push_back(static_cast<std::int32_t>(segments_.size()));
   }
   if (plan.empty()) return;
@@ -66,10 +77,11 @@ void TwistTerms::Pack(const Structure& structure, const Graph& graph) {
     if (chunk.redone.size() < graph.edge_pools().size())
       chunk.redone.resize(graph.edge_pools().size(), 0);
     chunk.pairs.resize(std::max(chunk.pairs.size(), max_pairs));
+    chunk.pull.resize(std::max(chunk.pull.size(), max_pull));
   }
 }
 
-void TwistTerms::PackRun(const LandmarkPlan& plan, const Graph& graph, std::int32_t host,
+void TwistTerms::PackRun(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
                          std::int32_t index) {
   const LandmarkRun& run = plan.runs[Index(index)];
   const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
@@ -92,7 +104,7 @@ void TwistTerms::PackRun(const LandmarkPlan& plan, const Graph& graph, std::int3
     segment.masked = std::find(mask, mask + segment.count, 0.0) != mask + segment.count;
     segment.weights = weights_.Add(pool, plan.edge_of_slot.data() + run.begin + first, rows,
                                    segment.count, segment.lanes);
-    PackTwoViews(plan, pool, host, &segment);
+    PackTwoViews(plan, pool, group, &segment);
     segments_.push_back(segment);
   }
   max_rows_ = std::max(max_rows_, Index(rows));

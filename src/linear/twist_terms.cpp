@@ -30,6 +30,7 @@ void TwistTerms::UpdatePoses(const Structure& structure, const Graph& graph) {
   if (plan.empty()) return;
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
   const double* o = poses.Data(plan.center);
+  std::copy_n(o, 3, origin_.data());
   for (Camera& camera : cameras_) {
     // Taken from the center's position first: far from the world's origin the rest would lose its
     // last digits to that distance.
@@ -55,6 +56,7 @@ void TwistTerms::UpdateFrames(const Structure& structure, const Graph& graph) {
   // Moments are taken about a point among the poses, so that they do not grow with the distance
   // from the world's origin (LandmarkPlan::kMaxReach).
   const double* o = lin(plan.center);
+  std::copy_n(o, 3, linearized_at_.data());
   frames_.resize(Index(poses.size()));
   for (int k = 0; k < poses.size(); ++k) {
     kernels::TwistFrame& frame = frames_[Index(k)];
@@ -93,16 +95,14 @@ void TwistTerms::UpdateFrames(const Structure& structure, const Graph& graph) {
   }
 }
 
-TwistTerms::Values TwistTerms::Place(const Segment& segment, bool has_target, bool jacobians,
+TwistTerms::Values TwistTerms::Place(const Segment& segment, int landmark, int target,
                                      Chunk* chunk) {
   Values values;
   const std::int64_t size = std::int64_t{segment.weights.rows} * segment.lanes;
   values.r = chunk->values.data();
-  values.count = size;
-  if (!jacobians) return values;
-  values.J_l = values.r + size;
-  if (has_target) values.J = values.J_l + size;
-  values.count = (has_target ? kColumns : 2) * size;
+  if (landmark > 0) values.J_l = values.r + size;
+  if (target > 0) values.J = values.J_l + landmark * size;
+  values.count = (1 + landmark + target) * size;
   return values;
 }
 
@@ -113,7 +113,7 @@ int TwistTerms::Evaluate(const LandmarkPlan& plan, const Graph& graph, const Lan
   if (failed >= 0) return failed;
   const LandmarkRun& run = plan.runs[Index(segment.run)];
   const std::int32_t slot = run.begin + segment.first;
-  const LaneMatrix J[2] = {{values.J_l, 1}, {values.J, 6}};
+  const LaneMatrix J[2] = {{values.J_l, group.dim}, {values.J, 6}};
   const std::size_t matrices = values.J_l == nullptr ? 0 : (values.J == nullptr ? 1 : 2);
   return weights_.Weigh(segment.weights, *graph.edge_pools()[Index(run.pool)],
                         plan.edge_of_slot.data() + slot,
@@ -133,25 +133,26 @@ int TwistTerms::EvaluateRaw(const LandmarkPlan& plan, const Graph& graph,
   const LandmarkRun& run = plan.runs[Index(segment.run)];
   const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
   const VertexPool<VertexPose>& poses = *graph.Pool<VertexPose>();
-  const VertexPool<VertexInverseDepth>& depths = *graph.Pool<VertexInverseDepth>();
+  const VertexPoolBase& landmarks = *graph.vertex_pools()[Index(group.pool)];
   const std::int32_t* landmark = plan.landmark_of_slot.data() + run.begin + segment.first;
   for (std::int32_t s = 0; s < segment.count; ++s)
-    chunk->states[Index(s)] = depths.Data(landmark[s]);
+    chunk->states[Index(s)] = landmarks.Data(landmark[s]);
   const double* const none[3] = {nullptr, nullptr, nullptr};
   const double* states[3] = {nullptr, nullptr, nullptr};
-  double* J[3] = {values.J_l, nullptr, nullptr};
+  double* J[3] = {nullptr, nullptr, nullptr};
+  // [host, target, landmark] with what there is of them.
+  int vertex = 0;
   if (run.pair >= 0) {
-    states[0] = poses.Data(group.host.pose);
-    states[1] = poses.Data(plan.pairs[Index(run.pair)].target.pose);
-    J[0] = nullptr;
-    J[1] = values.J;
-    J[2] = values.J_l;
+    if (group.num_hosts() > 0) states[vertex++] = poses.Data(group.host.pose);
+    J[vertex] = values.J;
+    states[vertex++] = poses.Data(plan.pairs[Index(run.pair)].target.pose);
   }
+  J[vertex] = values.J_l;
   LaneRun lanes;
   lanes.count = segment.count;
   lanes.lanes = segment.lanes;
   lanes.edges = plan.edge_of_slot.data() + run.begin + segment.first;
-  lanes.landmark = run.pair >= 0 ? 2 : 0;
+  lanes.landmark = vertex;
   lanes.states = states;
   lanes.points = none;
   lanes.landmark_states = chunk->states.data();
@@ -182,7 +183,7 @@ int TwistTerms::AddValues(const LandmarkPlan& plan, const Graph& graph, const La
     // Once more with the values written down, to find whose it is.
   }
   const bool has_target = plan.runs[Index(segment.run)].pair >= 0;
-  const Values values = Place(segment, has_target, true, chunk);
+  const Values values = Place(segment, 1, has_target ? 6 : 0, chunk);
   LaneWeights::Factors factors;
   const int failed = Evaluate(plan, graph, group, segment, values, chunk, cost, &factors);
   if (failed >= 0) return failed;
@@ -196,9 +197,11 @@ int TwistTerms::AddValues(const LandmarkPlan& plan, const Graph& graph, const La
 bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, int index,
                                 NormalEquationsSink* sink, Chunk* chunk, std::int32_t* pool) {
   const LandmarkGroup& group = plan.groups[Index(index)];
-  FillDepths(plan, graph, group);
-  std::fill_n(h_.begin() + group.lane_begin, group.lanes, 0.0);
-  std::fill_n(b_.begin() + group.lane_begin, group.lanes, 0.0);
+  FillStates(plan, graph, group);
+  double* const h = h_.data() + h_begin_[Index(index)];
+  double* const b = b_.data() + group.step_begin;
+  std::fill_n(h, group.lanes, 0.0);
+  std::fill_n(b, group.lanes, 0.0);
   for (std::int32_t p = group.pair_begin; p < group.pair_end; ++p) {
     const LandmarkPair& pair = plan.pairs[Index(p)];
     if (!force_is_set_[Index(p)])
@@ -208,10 +211,9 @@ bool TwistTerms::LinearizeGroup(const LandmarkPlan& plan, const Graph& graph, in
   for (std::int32_t k = segment_begin_[Index(index)]; k < segment_begin_[Index(index) + 1]; ++k) {
     const Segment& segment = segments_[Index(k)];
     const LandmarkRun& run = plan.runs[Index(segment.run)];
-    const std::int32_t lane = group.lane_begin + segment.lane;
     kernels::TwistTotals totals{};
-    totals.h = h_.data() + lane;
-    totals.b = b_.data() + lane;
+    totals.h = h + segment.lane;
+    totals.b = b + segment.lane;
     if (run.pair >= 0) {
       const LandmarkPair& pair = plan.pairs[Index(run.pair)];
       totals.frame = &FrameOf(segment, pair.target.pose);
@@ -285,6 +287,10 @@ bool TwistTerms::Linearize(const Structure& structure, const Graph& graph, int i
   // Diagonal blocks and right-hand sides are summed as twists and mapped once per frame.
   chunk->frames.assign(structure.poses().size(), {});
   for (int g = plan.chunk_begin[Index(index)]; g < plan.chunk_begin[Index(index) + 1]; ++g) {
+    if (plan.groups[Index(g)].dim > 1) {
+      if (!LinearizePoints(plan, graph, g, sink, chunk, pool)) return false;
+      continue;
+    }
     if (!LinearizeGroup(plan, graph, g, sink, chunk, pool)) return false;
     AddGroup(structure, g, sink->h_pp, chunk);
   }
@@ -299,20 +305,17 @@ bool TwistTerms::Cost(const Structure& structure, const Graph& graph, int index,
   Chunk* chunk = &chunks_[Index(index)];
   for (int g = plan.chunk_begin[Index(index)]; g < plan.chunk_begin[Index(index) + 1]; ++g) {
     const LandmarkGroup& group = plan.groups[Index(g)];
-    FillDepths(plan, graph, group);
+    FillStates(plan, graph, group);
     for (std::int32_t k = segment_begin_[Index(g)]; k < segment_begin_[Index(g) + 1]; ++k) {
       const Segment& segment = segments_[Index(k)];
       if (segment.in_one) {
-        const kernels::TwoViewRun lanes = TwoViewsOf(plan, group, segment);
-        const kernels::TwoViewWeights weights = TwoViewWeightsOf(segment);
-        const double added = kernels::Kernels().two_view_cost(&lanes, &weights);
+        const double added = CostInOne(plan, group, segment);
         if (std::isfinite(added)) {
           sink->cost += added;
           continue;
         }
       }
-      const bool has_target = plan.runs[Index(segment.run)].pair >= 0;
-      const Values values = Place(segment, has_target, false, chunk);
+      const Values values = Place(segment, 0, 0, chunk);
       LaneWeights::Factors factors;
       const int failed =
           Evaluate(plan, graph, group, segment, values, chunk, &sink->cost, &factors);

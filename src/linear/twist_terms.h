@@ -17,11 +17,11 @@ namespace glissade {
 /// The landmarks of a LandmarkPlan, from residuals to the Schur complement and back.
 ///
 /// Edges of any type are evaluated in lanes; of their Jacobians the landmark's and the target's are
-/// taken. Poses are linearized as twists about the position o of the plan's center, in which one
-/// 6-vector per residual serves host and target (kernels/twists.h); sums over landmarks are mapped
-/// to the public tangent block by block, with xi = T [dp; dtheta], T = [I, [p - o]x R; 0, R]. With
-/// first estimates in full, p and R are those of x_lin: the residual's change by the relative pose
-/// stays that at x.
+/// taken, of points the landmark's alone (kernels/points.h). Poses are linearized as twists about
+/// the position o of the plan's center, in which one 6-vector per residual serves host and target
+/// (kernels/twists.h); sums over landmarks are mapped to the public tangent block by block, with xi
+/// = T [dp; dtheta], T = [I, [p - o]x R; 0, R]. With first estimates in full, p and R are those of
+/// x_lin: the residual's change by the relative pose stays that at x.
 class TwistTerms {
  public:
   /// Weights and losses as arrays, and room for all values; once per analysis, and where weights
@@ -40,9 +40,8 @@ class TwistTerms {
   /// The same, cost only.
   bool Cost(const Structure& structure, const Graph& graph, int chunk, NormalEquationsSink* sink,
             std::int32_t* pool);
-  /// H_ll and b_l per lane.
-  [[nodiscard]] const AlignedDoubles& h() const { return h_; }
-  [[nodiscard]] const AlignedDoubles& b() const { return b_; }
+  /// The diagonal of H_ll and b_l of all groups, in the order of their step.
+  void FillDiagonal(const Structure& structure, double* diagonal, double* b) const;
 
   /// Of all runs of a pool: edges, and lanes with padding.
   [[nodiscard]] std::int64_t Edges(const Structure& structure, int pool) const;
@@ -80,7 +79,8 @@ class TwistTerms {
     std::int32_t count = 0;   ///< lanes that are evaluated
     bool masked = false;      ///< some of these repeat others
     bool sets_force = false;  ///< the first of its target, for all lanes of it
-    /// Reprojections between ideal cameras: these, in cameras_. -1: others.
+    /// Reprojections between ideal cameras: these, in cameras_, of points the target's alone. -1:
+    /// others.
     std::int32_t host_camera = -1, target_camera = -1;
     std::int64_t uv = 0;  ///< their measurements in uv_
     bool in_one = false;  ///< their values need not be written down: weights are factors
@@ -113,10 +113,11 @@ class TwistTerms {
   struct Chunk {
     AlignedDoubles values, work;
     std::vector<const double*> states, points;  // of the landmarks of a segment; points: null
+    AlignedDoubles pull;                        // g (kernels/points.h) of a group's pairs
     LaneWeights::Scratch weights;
     std::vector<std::int64_t> redone;  // by pool
     std::vector<TwistSum> pairs, frames;
-    AlignedDoubles panel, reduced, blocks, twist_rhs, twists, product, sums;
+    AlignedDoubles panel, reduced, blocks, twist_rhs, twists, product, steps, sums;
   };
   /// A chunk's part of a block of the plan.
   struct ChunkBlock {
@@ -146,8 +147,9 @@ class TwistTerms {
     std::int64_t count = 0;  ///< numbers, from r on
   };
 
-  void PackRun(const LandmarkPlan& plan, const Graph& graph, std::int32_t host, std::int32_t run);
-  void PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool, std::int32_t host,
+  void PackRun(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
+               std::int32_t run);
+  void PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool, const LandmarkGroup& group,
                     Segment* segment);
   std::int32_t FindCamera(std::int32_t pose, const double* T_b_c);
   [[nodiscard]] const kernels::TwistFrame& FrameOf(const Segment& segment, std::int32_t pose) const;
@@ -158,9 +160,19 @@ class TwistTerms {
   int AddValues(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
                 const Segment& segment, const kernels::TwistTotals& totals, Chunk* chunk,
                 double* cost) const;
+  /// The same for a group of points.
+  bool LinearizePoints(const LandmarkPlan& plan, const Graph& graph, int group,
+                       NormalEquationsSink* sink, Chunk* chunk, std::int32_t* pool);
+  int AddPointValues(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
+                     const Segment& segment, const kernels::PointTotals& totals, Chunk* chunk,
+                     double* cost) const;
+  [[nodiscard]] kernels::PointTotals PointTotalsOf(const LandmarkPlan& plan,
+                                                   const LandmarkGroup& group,
+                                                   const Segment& segment, Chunk* chunk);
   void AddGroup(const Structure& structure, int group, double* h_pp, Chunk* chunk);
   void AddFrames(const Structure& structure, const Chunk& chunk, double* h_pp, double* b_p) const;
-  static Values Place(const Segment& segment, bool has_target, bool jacobians, Chunk* chunk);
+  /// Columns of the Jacobians by the landmark and by the target; 0: not wanted.
+  static Values Place(const Segment& segment, int landmark, int target, Chunk* chunk);
   /// Values weighed but for `factors`, and their cost. Returns the first lane without a finite one,
   /// or -1.
   int Evaluate(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
@@ -169,11 +181,19 @@ class TwistTerms {
   /// As they are; returns the first lane without one, or -1.
   int EvaluateRaw(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group,
                   const Segment& segment, const Values& values, Chunk* chunk) const;
-  /// Inverse depths of a group's lanes, which two views take.
-  void FillDepths(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group);
+  /// Landmarks of a group's lanes, which two views take.
+  void FillStates(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group);
+  /// Where points of a group are linearized.
+  void FillPoints(const LandmarkPlan& plan, const Graph& graph, const LandmarkGroup& group);
   [[nodiscard]] kernels::TwoViewRun TwoViewsOf(const LandmarkPlan& plan, const LandmarkGroup& group,
                                                const Segment& segment) const;
+  [[nodiscard]] kernels::PointViewRun PointViewsOf(const LandmarkPlan& plan,
+                                                   const LandmarkGroup& group,
+                                                   const Segment& segment) const;
   [[nodiscard]] kernels::TwoViewWeights TwoViewWeightsOf(const Segment& segment) const;
+  /// Of a segment that is `in_one`.
+  [[nodiscard]] double CostInOne(const LandmarkPlan& plan, const LandmarkGroup& group,
+                                 const Segment& segment) const;
   /// Tells whose value it is.
   static bool Fail(const LandmarkPlan& plan, const Segment& segment, int lane,
                    NormalEquationsSink* sink, std::int32_t* pool);
@@ -193,7 +213,14 @@ class TwistTerms {
   LaneWeights weights_;
   std::vector<kernels::TwistGroup> groups_;
   std::vector<kernels::TwistTarget> targets_;
-  AlignedDoubles force_, h_, b_, scale_, beta_, inverse_h_, depth_;
+  // As kernels::TwistGroup says: of a group, force_ begins at 6 times the lanes of the pairs
+  // before, h_ and factor_ (C of the last elimination) at h_begin_, the others at its step_begin.
+  AlignedDoubles force_, h_, factor_, b_, beta_;
+  AlignedDoubles state_;  // landmarks as they are, points as seen from origin_
+  AlignedDoubles point_;  // where points are linearized, as seen from o
+  std::vector<std::int32_t> h_begin_;
+  Vector3 origin_ = Vector3::Zero();         // the center's position
+  Vector3 linearized_at_ = Vector3::Zero();  // o: the same, or its first estimate
   std::size_t max_values_ = 0, max_work_ = 0, max_rows_ = 0;
   std::vector<std::uint8_t> has_run_, force_is_set_;  // by pair
   AlignedDoubles uv_;

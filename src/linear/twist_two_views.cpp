@@ -20,27 +20,33 @@ constexpr int kMaxLookedAt = 16;
 
 }  // namespace
 
-void TwistTerms::PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool, std::int32_t host,
-                              Segment* segment) {
+void TwistTerms::PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool,
+                              const LandmarkGroup& group, Segment* segment) {
   const LandmarkRun& run = plan.runs[Index(segment->run)];
   const std::int32_t* edges = plan.edge_of_slot.data() + run.begin + segment->first;
   TwoViewObservation observation;
   if (!pool.TwoView(edges[0], &observation)) return;
-  segment->host_camera = FindCamera(host, observation.T_b_host);
-  segment->target_camera =
-      FindCamera(plan.pairs[Index(run.pair)].target.pose, observation.T_b_target);
   using Weights = LaneWeights::Run;
   segment->in_one = (segment->weights.whitening == Weights::Whitening::kIdentity ||
                      segment->weights.whitening == Weights::Whitening::kScaled) &&
                     !segment->weights.other_loss;
+  const bool has_host = observation.uv_host != nullptr;
+  // Where values are written down, those of points are their edges' own.
+  if (!has_host && !segment->in_one) return;
+  if (has_host) segment->host_camera = FindCamera(group.host.pose, observation.T_b_host);
+  segment->target_camera =
+      FindCamera(plan.pairs[Index(run.pair)].target.pose, observation.T_b_target);
   segment->uv = static_cast<std::int64_t>(uv_.size());
-  uv_.resize(uv_.size() + 4 * Index(segment->lanes));
-  double* const uv = uv_.data() + segment->uv;
-  for (std::int32_t s = 0; s < segment->lanes; ++s) {
+  uv_.resize(uv_.size() + (has_host ? 4 : 2) * Index(segment->lanes));
+  double* uv = uv_.data() + segment->uv;
+  for (std::int32_t s = 0; s < segment->lanes; ++s, ++uv) {
     static_cast<void>(pool.TwoView(edges[s], &observation));
-    for (int k = 0; k < 2; ++k) {
-      uv[k * segment->lanes + s] = observation.uv_host[k];
-      uv[(2 + k) * segment->lanes + s] = observation.uv_target[k];
+    double* to = uv;
+    for (const double* from : {observation.uv_host, observation.uv_target}) {
+      if (from == nullptr) continue;
+      to[0] = from[0];
+      to[segment->lanes] = from[1];
+      to += 2 * segment->lanes;
     }
   }
 }
@@ -69,13 +75,22 @@ const kernels::TwistFrame& TwistTerms::FrameOf(const Segment& segment, std::int3
                                    : cameras_[Index(segment.target_camera)].frame;
 }
 
-void TwistTerms::FillDepths(const LandmarkPlan& plan, const Graph& graph,
+void TwistTerms::FillStates(const LandmarkPlan& plan, const Graph& graph,
                             const LandmarkGroup& group) {
   if (cameras_.empty()) return;
-  const double* depths = graph.Pool<VertexInverseDepth>()->Data(0);
-  for (std::int32_t l = group.lane_begin; l < group.lane_begin + group.lanes; ++l) {
-    const std::int32_t landmark = plan.landmark_of_lane[Index(l)];
-    depth_[Index(l)] = landmark >= 0 ? depths[landmark] : 0.0;
+  const std::int32_t* landmark = plan.landmark_of_lane.data() + group.lane_begin;
+  double* const state = state_.data() + group.step_begin;
+  if (group.dim == 1) {
+    const double* depths = graph.Pool<VertexInverseDepth>()->Data(0);
+    for (std::int32_t s = 0; s < group.used; ++s)
+      state[s] = depths[landmark[s]];
+    return;
+  }
+  const VertexPool<VertexPointXYZ>& points = *graph.Pool<VertexPointXYZ>();
+  for (std::int32_t s = 0; s < group.used; ++s) {
+    const double* x = points.Data(landmark[s]);
+    for (int i = 0; i < 3; ++i)
+      state[i * group.lanes + s] = x[i] - origin_[i];
   }
 }
 
@@ -84,10 +99,33 @@ kernels::TwoViewRun TwistTerms::TwoViewsOf(const LandmarkPlan& plan, const Landm
   const LandmarkRun& run = plan.runs[Index(segment.run)];
   return {segment.lanes,
           uv_.data() + segment.uv,
-          depth_.data() + group.lane_begin + segment.lane,
+          state_.data() + group.step_begin + segment.lane,
           segment.masked ? plan.mask_of_slot.data() + run.begin + segment.first : nullptr,
           &cameras_[Index(segment.host_camera)].at,
           &cameras_[Index(segment.target_camera)].at};
+}
+
+kernels::PointViewRun TwistTerms::PointViewsOf(const LandmarkPlan& plan, const LandmarkGroup& group,
+                                               const Segment& segment) const {
+  const LandmarkRun& run = plan.runs[Index(segment.run)];
+  return {segment.lanes,
+          uv_.data() + segment.uv,
+          state_.data() + group.step_begin + segment.lane,
+          group.lanes,
+          segment.masked ? plan.mask_of_slot.data() + run.begin + segment.first : nullptr,
+          &cameras_[Index(segment.target_camera)].at};
+}
+
+double TwistTerms::CostInOne(const LandmarkPlan& plan, const LandmarkGroup& group,
+                             const Segment& segment) const {
+  const kernels::KernelTable& kernel = kernels::Kernels();
+  const kernels::TwoViewWeights weights = TwoViewWeightsOf(segment);
+  if (segment.host_camera < 0) {
+    const kernels::PointViewRun points = PointViewsOf(plan, group, segment);
+    return kernel.point_view_cost(&points, &weights);
+  }
+  const kernels::TwoViewRun lanes = TwoViewsOf(plan, group, segment);
+  return kernel.two_view_cost(&lanes, &weights);
 }
 
 kernels::TwoViewWeights TwistTerms::TwoViewWeightsOf(const Segment& segment) const {

@@ -31,7 +31,10 @@ std::int32_t RoundUp(std::int32_t lanes) {
 void Structure::PlanGroup(const Graph& graph, LandmarkGroup* group, std::size_t begin,
                           std::size_t end) {
   group->lane_begin = static_cast<std::int32_t>(plan_.landmark_of_lane.size());
-  group->lanes = RoundUp(static_cast<std::int32_t>(end - begin));
+  group->used = static_cast<std::int32_t>(end - begin);
+  group->lanes = RoundUp(group->used);
+  group->step_begin = plan_.step_size;
+  plan_.step_size += group->dim * group->lanes;
   group->pair_begin = static_cast<std::int32_t>(plan_.pairs.size());
   group->run_begin = static_cast<std::int32_t>(plan_.runs.size());
   newest_run_.assign(1, -1);  // of the landmarks alone, then of each pair of the group
@@ -69,9 +72,9 @@ void Structure::PlanGroup(const Graph& graph, LandmarkGroup* group, std::size_t 
 std::int32_t Structure::FindRun(const Graph& graph, const LandmarkGroup& group, const EdgeRef& ref,
                                 std::int32_t lane) {
   std::int32_t pair = -1;
-  if (pool_kind_[Index(ref.pool)] == PoolKind::kHostAndTarget) {
+  if (pool_kind_[Index(ref.pool)] != PoolKind::kLandmarkOnly) {
     const FlatEdges& flat = flat_[Index(ref.pool)];
-    const std::size_t at = 3 * Index(ref.edge) + 1;
+    const std::size_t at = ObserverOf(ref);
     const std::int32_t pose = flat.index[at];
     if (pair_of_pose_[Index(pose)] < 0) {
       pair_of_pose_[Index(pose)] = static_cast<std::int32_t>(plan_.pairs.size());
@@ -81,7 +84,7 @@ std::int32_t Structure::FindRun(const Graph& graph, const LandmarkGroup& group, 
       newest_run_.push_back(-1);
     }
     pair = pair_of_pose_[Index(pose)];
-    plan_.pairs[Index(pair)].lanes = lane + 1;
+    plan_.pairs[Index(pair)].used = lane + 1;
   }
   std::int32_t& newest = newest_run_[Index(pair < 0 ? 0 : pair - group.pair_begin + 1)];
   const EdgePoolBase& pool = *graph.edge_pools()[Index(ref.pool)];
@@ -113,14 +116,14 @@ std::int32_t Structure::FindRun(const Graph& graph, const LandmarkGroup& group, 
 void Structure::LayOutGroup(LandmarkGroup* group) {
   const auto begin = plan_.pairs.begin() + group->pair_begin;
   std::sort(begin, plan_.pairs.end(), [](const LandmarkPair& a, const LandmarkPair& b) {
-    return a.lanes != b.lanes ? a.lanes > b.lanes : a.target.pose < b.target.pose;
+    return a.used != b.used ? a.used > b.used : a.target.pose < b.target.pose;
   });
   // Where each pair was is where its pose still says.
   moved_pair_.resize(Index(group->pair_end - group->pair_begin));
   for (std::int32_t p = group->pair_begin; p < group->pair_end; ++p) {
     LandmarkPair& pair = plan_.pairs[Index(p)];
     moved_pair_[Index(pair_of_pose_[Index(pair.target.pose)] - group->pair_begin)] = p;
-    pair.lanes = RoundUp(pair.lanes);
+    pair.lanes = RoundUp(pair.used);
     pair.begin = plan_.pair_lanes;
     plan_.pair_lanes += pair.lanes;
   }

@@ -20,23 +20,40 @@ using internal::Index;
 void Structure::ClassifyPools(const Graph& graph) {
   const VertexPoolBase* poses = graph.PoolOf(&kTypeInfo<VertexPose>);
   const VertexPoolBase* depths = graph.PoolOf(&kTypeInfo<VertexInverseDepth>);
+  const VertexPoolBase* points = graph.PoolOf(&kTypeInfo<VertexPointXYZ>);
   pool_kind_.assign(num_pools_, PoolKind::kOther);
   for (std::size_t p = 0; p < num_pools_; ++p) {
     const EdgePoolBase& pool = *graph.edge_pools()[p];
     const int arity = pool.fixed_arity();
-    if (pool.size() == 0 || depths == nullptr) continue;
-    if (arity == 1 && pool.vertex_pool(0, 0) == depths) {
+    // Edges that take both vertices of the relative pose or point as their rule says.
+    const auto knows = [&](FirstEstimateRule rule) {
+      return pool.traits().first_estimate_rule == rule &&
+             (pool.traits().no_first_estimate & 3u) == 0;
+    };
+    const auto is = [&](int vertex, const VertexPoolBase* of) {
+      return of != nullptr && pool.vertex_pool(0, vertex) == of;
+    };
+    if (pool.size() == 0) continue;
+    if (arity == 1 && (is(0, depths) || is(0, points))) {
       pool_kind_[p] = PoolKind::kLandmarkOnly;
-    } else if (arity == 3 && pool.vertex_pool(0, 0) == poses && pool.vertex_pool(0, 1) == poses &&
-               pool.vertex_pool(0, 2) == depths &&
-               pool.traits().first_estimate_rule == FirstEstimateRule::kRelativePose &&
-               (pool.traits().no_first_estimate & 3u) == 0) {
+    } else if (arity == 3 && is(0, poses) && is(1, poses) && is(2, depths) &&
+               knows(FirstEstimateRule::kRelativePose)) {
       pool_kind_[p] = PoolKind::kHostAndTarget;
+    } else if (arity == 2 && is(0, poses) && is(1, points) &&
+               knows(FirstEstimateRule::kRelativePoint)) {
+      pool_kind_[p] = PoolKind::kPoseAndPoint;
     }
   }
 }
 
-// The host of all edges of a landmark, -1 if it has none or may not be in a group.
+// Position of the vertex of an edge that observes the landmark: the target, or the pose of a point.
+std::size_t Structure::ObserverOf(const EdgeRef& ref) const {
+  return pool_kind_[Index(ref.pool)] == PoolKind::kHostAndTarget ? 3 * Index(ref.edge) + 1
+                                                                 : 2 * Index(ref.edge);
+}
+
+// The host of all edges of an inverse depth, the first pose that sees a point; -1 if there is none
+// or the landmark may not be in a group.
 std::int32_t Structure::HostOf(std::size_t landmark) const {
   std::int32_t host = -1;
   for (std::int32_t k = landmark_edges_begin_[landmark]; k < landmark_edges_begin_[landmark + 1];
@@ -45,6 +62,11 @@ std::int32_t Structure::HostOf(std::size_t landmark) const {
     const PoolKind kind = pool_kind_[Index(ref.pool)];
     if (kind == PoolKind::kLandmarkOnly) continue;
     if (kind == PoolKind::kOther) return -1;
+    if (kind == PoolKind::kPoseAndPoint) {
+      const std::int32_t pose = flat_[Index(ref.pool)].index[ObserverOf(ref)];
+      host = host < 0 ? pose : std::min(host, pose);
+      continue;
+    }
     const std::int32_t* vertices = flat_[Index(ref.pool)].index.data() + 3 * std::int64_t{ref.edge};
     if (host >= 0 && vertices[0] != host) return -1;
     host = vertices[0];
@@ -57,14 +79,25 @@ std::int32_t Structure::HostOf(std::size_t landmark) const {
 void Structure::FindGroups(const Graph& graph) {
   grouped_.clear();
   ClassifyPools(graph);
-  if (std::find(pool_kind_.begin(), pool_kind_.end(), PoolKind::kHostAndTarget) ==
-      pool_kind_.end()) {
-    return;
-  }
+  AddGroups(graph, PoolKind::kHostAndTarget, &kTypeInfo<VertexInverseDepth>);
+  AddGroups(graph, PoolKind::kPoseAndPoint, &kTypeInfo<VertexPointXYZ>);
+  // By group, then falling number of edges or last pose; the landmark's number settles ties.
+  std::sort(grouped_.begin(), grouped_.end(),
+            [](const GroupedLandmark& a, const GroupedLandmark& b) {
+              if (a.group != b.group) return a.group < b.group;
+              return a.length != b.length ? a.length > b.length : a.landmark < b.landmark;
+            });
+}
+
+// Groups of one type of landmark, which edges of one kind observe.
+void Structure::AddGroups(const Graph& graph, PoolKind kind, const TypeInfo* type) {
+  if (std::find(pool_kind_.begin(), pool_kind_.end(), kind) == pool_kind_.end()) return;
+  const VertexPoolBase& pool = *graph.PoolOf(type);
   const std::vector<std::int32_t>& block_of_pose = variable_[Index(graph.Pool<VertexPose>()->id())];
   group_of_host_.assign(block_of_pose.size(), -1);
   auto& groups = plan_.groups;
   for (std::size_t l = 0; l < landmarks_.size(); ++l) {
+    if (landmarks_[l].pool != pool.id()) continue;
     const std::int32_t host = HostOf(l);
     if (host < 0) continue;
     std::int32_t& group = group_of_host_[Index(host)];
@@ -72,17 +105,26 @@ void Structure::FindGroups(const Graph& graph) {
       group = static_cast<std::int32_t>(groups.size());
       LandmarkGroup added;
       added.host = {host, std::max(block_of_pose[Index(host)], -1)};
+      added.pool = pool.id();
+      added.dim = pool.ops().tangent_dim;
       groups.push_back(added);
     }
-    grouped_.push_back({group, landmark_edges_begin_[l + 1] - landmark_edges_begin_[l],
-                        static_cast<std::int32_t>(l)});
+    const auto landmark = static_cast<std::int32_t>(l);
+    grouped_.push_back({group, TrackLength(kind, landmark), landmark});
   }
-  // By group, then falling number of edges; the landmark's number settles ties.
-  std::sort(grouped_.begin(), grouped_.end(),
-            [](const GroupedLandmark& a, const GroupedLandmark& b) {
-              if (a.group != b.group) return a.group < b.group;
-              return a.length != b.length ? a.length > b.length : a.landmark < b.landmark;
-            });
+}
+
+// What lanes of a group are sorted by: number of edges, or the last pose that sees a point.
+std::int32_t Structure::TrackLength(PoolKind kind, std::int32_t landmark) const {
+  const std::size_t l = Index(landmark);
+  if (kind == PoolKind::kHostAndTarget)
+    return landmark_edges_begin_[l + 1] - landmark_edges_begin_[l];
+  std::int32_t last = 0;
+  ForEachEdgeOf(landmark, [&](const EdgeRef& ref) {
+    if (pool_kind_[Index(ref.pool)] == PoolKind::kPoseAndPoint)
+      last = std::max(last, flat_[Index(ref.pool)].index[ObserverOf(ref)]);
+  });
+  return last;
 }
 
 void Structure::PlanGroups(const Graph& graph, bool allow) {
@@ -92,6 +134,7 @@ void Structure::PlanGroups(const Graph& graph, bool allow) {
   if (grouped_.empty()) return;
   ChooseCenter(graph);
   LeaveOutFarLandmarks(graph);
+  LeaveOutSparseGroups(graph);
   if (grouped_.empty()) return;
   plan_.num_landmarks = static_cast<int>(grouped_.size());
   pair_of_pose_.assign(Index(graph.Pool<VertexPose>()->size()), -1);
@@ -137,7 +180,7 @@ void Structure::RemoveGroupedFromLandmarks() {
   landmark_edges_.resize(Index(to + without));
   landmarks_.resize(kept);
   plan_.first_step = num_landmark_scalars_;
-  num_landmark_scalars_ += static_cast<int>(plan_.landmark_of_lane.size());
+  num_landmark_scalars_ += plan_.step_size;
 }
 
 // What the groups contribute to H_pp and S, and who computes them: needs the pose blocks' pairs.
@@ -146,11 +189,11 @@ void Structure::FinishPlan() {
   next_in_row_.clear();
   for (LandmarkGroup& group : plan_.groups) {
     frames_.clear();
-    frames_.push_back(group.host.block);
+    for (int frame = 0; frame < group.num_frames(); ++frame)
+      frames_.push_back(plan_.FrameBlock(group, frame));
     for (std::int32_t p = group.pair_begin; p < group.pair_end; ++p) {
       LandmarkPair& pair = plan_.pairs[Index(p)];
-      frames_.push_back(pair.target.block);
-      if (group.host.block < 0 || pair.target.block < 0) continue;
+      if (group.num_hosts() == 0 || group.host.block < 0 || pair.target.block < 0) continue;
       pair.h_transposed = group.host.block < pair.target.block;
       pair.h_block = pair.h_transposed ? PairOffset(pair.target.block, group.host.block)
                                        : PairOffset(group.host.block, pair.target.block);

@@ -8,7 +8,6 @@
 
 #include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
-#include "glissade/vertices/inverse_depth.h"
 #include "structure/inactive.h"
 
 namespace glissade {
@@ -53,7 +52,7 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   ListLandmarkEdges(*graph);
   groups_landmarks_ = options.group_landmarks;
   PlanGroups(*graph, groups_landmarks_);
-  NumberLandmarkSteps(*graph);
+  NumberLandmarkSteps();
   CutIntoChunks();
 
   // Pose blocks always have their diagonal; pairs are added as edges bring them in.
@@ -217,17 +216,16 @@ void Structure::NumberVariables(const Graph& graph) {
   }
 }
 
-void Structure::NumberLandmarkSteps(const Graph& graph) {
+void Structure::NumberLandmarkSteps() {
   for (const LandmarkBlock& landmark : landmarks_) {
     step_offsets_[Index(landmark.pool)][Index(landmark.index)] = num_pose_scalars() + landmark.step;
   }
-  if (plan_.empty()) return;
-  std::vector<std::int32_t>& offsets = step_offsets_[Index(graph.Pool<VertexInverseDepth>()->id())];
-  for (std::size_t lane = 0; lane < plan_.landmark_of_lane.size(); ++lane) {
-    const std::int32_t landmark = plan_.landmark_of_lane[lane];
-    if (landmark < 0) continue;
-    offsets[Index(landmark)] =
-        num_pose_scalars() + plan_.first_step + static_cast<std::int32_t>(lane);
+  for (const LandmarkGroup& group : plan_.groups) {
+    std::vector<std::int32_t>& offsets = step_offsets_[Index(group.pool)];
+    const std::int32_t first = num_pose_scalars() + plan_.first_step + group.step_begin;
+    for (std::int32_t lane = 0; lane < group.used; ++lane)
+      offsets[Index(plan_.landmark_of_lane[Index(group.lane_begin + lane)])] =
+          first + group.dim * lane;
   }
 }
 

@@ -148,17 +148,21 @@ TEST_P(TwistsTest, WhatIsNotFiniteIsSaid) {
 TEST_P(TwistsTest, ProductsAreThoseOfThePanel) {
   Random random(3);
   constexpr int kLanes = 24, kTargets = 3, kRows = 7 + 6 * kTargets, kStride = 32;
-  const int lanes[kTargets] = {24, 16, 8};
+  const int used[kTargets] = {24, 13, 8}, lanes[kTargets] = {24, 16, 8};
   std::vector<Guarded> force;
   force.reserve(kTargets);
   TwistTarget targets[kTargets];
   for (int t = 0; t < kTargets; ++t) {
     force.push_back(Numbers(6 * lanes[t], random));
-    targets[t] = {lanes[t], force.back().data()};
+    for (int i = 0; i < 6; ++i) {
+      for (int s = used[t]; s < lanes[t]; ++s)
+        force.back()[I(i * lanes[t] + s)] = 0.0;
+    }
+    targets[t] = {used[t], lanes[t], force.back().data()};
   }
   const Guarded b = Numbers(kLanes, random), beta = Numbers(kLanes, random);
   const Guarded scale = Numbers(kLanes, random), twists = Numbers(6 * (kTargets + 1), random);
-  const TwistGroup group{kLanes, kTargets, targets, b.data()};
+  const TwistGroup group{1, kLanes, kLanes, kTargets, targets, nullptr};
   Guarded panel(I(kStride * kLanes));
   k().twist_panel(&group, scale.data(), beta.data(), panel.data());
   Guarded product(I(kLanes)), sums(I(6 * (kTargets + 1)));
@@ -185,18 +189,23 @@ TEST_P(TwistsTest, ProductsAreThoseOfThePanel) {
 TEST_P(TwistsTest, ReducedIsTheProductOfThePanel) {
   Random random(4);
   for (const int num_targets : {0, 1, 2, 3, 4, 7, 10}) {
-    const int lanes = 40, rows = 7 + 6 * num_targets, stride = (rows + 7) / 8 * 8;
+    const int used = 37, lanes = 40, rows = 7 + 6 * num_targets, stride = (rows + 7) / 8 * 8;
     std::vector<Guarded> force;
     force.reserve(I(num_targets));
     std::vector<TwistTarget> targets;
     for (int t = 0; t < num_targets; ++t) {
-      const int seen = std::max(8, lanes - (2 * t + 1) / 3 * 8);
+      const int seen = std::max(8, lanes - (2 * t + 1) / 3 * 8),
+                last = std::min(t > 0 ? targets.back().used : used, seen - t % 3);
       force.push_back(Numbers(6 * seen, random));
-      targets.push_back({seen, force.back().data()});
+      for (int i = 0; i < 6; ++i) {
+        for (int s = last; s < seen; ++s)
+          force.back()[I(i * seen + s)] = 0.0;
+      }
+      targets.push_back({last, seen, force.back().data()});
     }
-    const Guarded b = Numbers(lanes, random), beta = Numbers(lanes, random);
+    const Guarded beta = Numbers(lanes, random);
     const Guarded scale = Numbers(lanes, random);
-    const TwistGroup group{lanes, num_targets, targets.data(), b.data()};
+    const TwistGroup group{1, used, lanes, num_targets, targets.data(), nullptr};
     // What is not written is not read.
     Guarded panel(I(stride * lanes)), reduced(I(stride * stride));
     for (size_t i = 0; i < panel.size(); ++i)
@@ -204,13 +213,13 @@ TEST_P(TwistsTest, ReducedIsTheProductOfThePanel) {
     k().twist_panel(&group, scale.data(), beta.data(), panel.data());
     k().twist_reduce(&group, panel.data(), reduced.data());
     const auto entry = [&](int row, int s) {
-      const bool seen = row < 7 || s < targets[I((row - 7) / 6)].lanes;
+      const bool seen = row < 7 || s < targets[I((row - 7) / 6)].used;
       return seen ? panel[I(stride * s + row)] : 0.0;
     };
     for (int c = 0; c < rows; ++c) {
       for (int r = c; r < rows; ++r) {
         double sum = 0.0;
-        for (int s = 0; s < lanes; ++s)
+        for (int s = 0; s < used; ++s)
           sum += entry(r, s) * entry(c, s);
         ASSERT_NEAR(reduced[I(r + c * stride)], -sum, 1e-12) << num_targets << " " << r << " " << c;
       }

@@ -16,7 +16,8 @@
 namespace glissade {
 namespace {
 
-/// A camera that moves along x past points at depth 5, one frame after the other.
+/// A camera that moves along x past points at depth 5, one frame after the other. Some are inverse
+/// depths, others points in the world that two cameras see.
 class Window {
  public:
   explicit Window(bool robust) : robust_(robust) {}
@@ -51,6 +52,9 @@ class Window {
       if (!added.ok()) return added.status();
       landmarks_.push_back(depth.value());
     }
+    for (int k = 0; frames_.size() > 1 && k < 9; ++k) {
+      if (Status status = AddPoint(k); !status.ok()) return status;
+    }
     ++frame_;
     return {};
   }
@@ -63,6 +67,11 @@ class Window {
       }
     }
     landmarks_.erase(landmarks_.begin(), landmarks_.begin() + 12);
+    for (int k = 0; k < 9; ++k) {
+      if (Status status = problem.RemoveVertex(points_[static_cast<std::size_t>(k)]); !status.ok())
+        return status;
+    }
+    points_.erase(points_.begin(), points_.begin() + 9);
     if (Status status = problem.RemoveVertex(frames_.front()); !status.ok()) return status;
     frames_.erase(frames_.begin());
     return problem.SetFixed(frames_.front());
@@ -75,10 +84,33 @@ class Window {
   Problem problem;
 
  private:
+  /// Seen by the last two frames.
+  Status AddPoint(int k) {
+    const Vector3 x(0.2 * frame_ + 0.3 * k - 1.2, 0.2 * (k % 4) - 0.3, 5.0);
+    const auto point = problem.AddVertex(VertexPointXYZ(x));
+    if (!point.ok()) return point.status();
+    EdgeOptions<EdgeReprojectionXYZ> options;
+    options.sqrt_information = Matrix2(400.0 * Matrix2::Identity());
+    if (robust_) options.loss = Cauchy{2.0};
+    for (int seen = 0; seen < 4; ++seen) {
+      const int back = seen / 2;
+      EdgeReprojectionXYZ edge;
+      edge.T_b_c.p() = Vector3(0.1 * (seen % 2), 0.0, 0.0);
+      edge.uv = Vector2((x[0] - 0.2 * (frame_ - back) - 0.1 * (seen % 2)) / x[2],
+                        x[1] / x[2] + 0.001 * std::sin(k + frame_ + seen));
+      const auto& pose = frames_[frames_.size() - 1 - static_cast<std::size_t>(back)];
+      const auto added = problem.AddEdge(edge, {pose, *point}, options);
+      if (!added.ok()) return added.status();
+    }
+    points_.push_back(point.value());
+    return {};
+  }
+
   bool robust_;
   int frame_ = 0;
   std::vector<VertexHandle<VertexPose>> frames_;
   std::vector<VertexHandle<VertexInverseDepth>> landmarks_;
+  std::vector<VertexHandle<VertexPointXYZ>> points_;
 };
 
 class NoAllocation : public ::testing::TestWithParam<std::tuple<bool, int>> {

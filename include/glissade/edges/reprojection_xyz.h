@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
 #include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
+#include "glissade/edges/two_view_observation.h"
 #include "glissade/vertices/point_xyz.h"
 #include "glissade/vertices/pose.h"
 #include "glissade/vertices/pose_view.h"
@@ -62,6 +64,10 @@ struct EdgeReprojectionXYZOf {
   bool Evaluate(const VertexPose& pose, const VertexPointXYZ& point, Vector2& r,
                 Jacobian<2, 6>* d_r_d_pose, Jacobian<2, 3>* d_r_d_point) const {
     return internal::EvaluateInDouble(*this, std::tie(pose, point), r, d_r_d_pose, d_r_d_point);
+  }
+
+  [[nodiscard]] TwoViewObservation TwoView() const requires std::same_as<Camera, CameraIdentity> {
+    return {nullptr, uv.data(), nullptr, T_b_c.data};
   }
 
   /// Same camera: two observations of one point by it in one frame are duplicates.

@@ -7,10 +7,11 @@ namespace glissade {
 /// An observation by two ideal cameras: the host's ray of an inverse-depth landmark and where the
 /// target sees it, both in normalized coordinates. With b = (uv_host, 1),
 ///     P = T_b_target^-1 T_W_Bj^-1 T_W_Bi T_b_host (b / rho),   r = P.xy / P.z - uv_target.
+/// Or one of a point in the world, by the target alone: P = T_b_target^-1 T_W_B^-1 X, no host.
 /// Edges of the library with that residual say so by TwoView(), and are then evaluated by a kernel
 /// instead of their own Evaluate. A user's edge is not, whatever it says. Pointers into the edge.
 struct TwoViewObservation {
-  const double* uv_host = nullptr;    ///< 2 numbers
+  const double* uv_host = nullptr;    ///< 2 numbers; null: of a point
   const double* uv_target = nullptr;  ///< 2 numbers
   const double* T_b_host = nullptr;   ///< camera in body, 7 numbers as in Pose
   const double* T_b_target = nullptr;

@@ -151,7 +151,7 @@ class Structure {
   void SortLandmarks();
   Status FindDuplicates(const Graph& graph);
   void ListLandmarkEdges(const Graph& graph);
-  void NumberLandmarkSteps(const Graph& graph);
+  void NumberLandmarkSteps();
   void CutIntoChunks();
   void LayOutLandmark(int landmark);
   void WriteEdge(const EdgeRef& ref, int landmark);
@@ -162,12 +162,21 @@ class Structure {
     return h_blocks_[static_cast<std::size_t>(PairIndex(row, col))].offset;
   }
   void GrowPairTable();
-  enum class PoolKind : std::uint8_t { kOther, kHostAndTarget, kLandmarkOnly };
+  enum class PoolKind : std::uint8_t { kOther, kHostAndTarget, kPoseAndPoint, kLandmarkOnly };
   void ClassifyPools(const Graph& graph);
+  [[nodiscard]] std::size_t ObserverOf(const EdgeRef& ref) const;
   [[nodiscard]] std::int32_t HostOf(std::size_t landmark) const;
   void FindGroups(const Graph& graph);
+  void AddGroups(const Graph& graph, PoolKind kind, const TypeInfo* type);
+  [[nodiscard]] std::int32_t TrackLength(PoolKind kind, std::int32_t landmark) const;
   void ChooseCenter(const Graph& graph);
+  template <class F>
+  void KeepGrouped(F&& keeps);
   void LeaveOutFarLandmarks(const Graph& graph);
+  void LeaveOutSparseGroups(const Graph& graph);
+  [[nodiscard]] bool IsSparse(std::size_t begin, std::size_t end);
+  [[nodiscard]] double ReachOfDepths(const Graph& graph, const LandmarkGroup& group) const;
+  [[nodiscard]] double ReachOfPoints(const Graph& graph, const LandmarkGroup& group) const;
   [[nodiscard]] double Reach(const Graph& graph) const;
   void PlanGroups(const Graph& graph, bool allow);
   void PlanGroup(const Graph& graph, LandmarkGroup* group, std::size_t begin, std::size_t end);
@@ -271,8 +280,9 @@ class Structure {
     std::int64_t landmarks;
   };
   std::vector<WeightedCoordinate> coordinates_;
-  std::vector<std::uint8_t> is_grouped_;
-  std::vector<std::int32_t> group_of_host_, pair_of_pose_, frames_, chain_of_row_, next_in_row_;
+  std::vector<std::uint8_t> is_grouped_, is_sparse_;
+  std::vector<std::int32_t> group_of_host_, pair_of_pose_, frames_, last_lanes_, chain_of_row_,
+      next_in_row_;
 };
 
 }  // namespace glissade

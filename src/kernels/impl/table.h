@@ -12,6 +12,8 @@
 #include "kernels/impl/left_multiply.h"
 #include "kernels/impl/losses.h"
 #include "kernels/impl/partial.h"
+#include "kernels/impl/point_views.h"
+#include "kernels/impl/points.h"
 #include "kernels/impl/rank_update.h"
 #include "kernels/impl/schur.h"
 #include "kernels/impl/small.h"
@@ -78,11 +80,16 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .two_view_cost = TwoViewCost,
     .two_view_sums = TwoViewSums,
     .twist_sums = TwistSums,
+    .point_sums = PointSums,
+    .point_view_sums = PointViewSums,
+    .point_view_cost = PointViewCost,
+    .point_frame_sums = PointFrameSums,
     .twist_panel = TwistPanel,
     .twist_reduce = TwistReduce,
     .twist_transpose_product = TwistTransposeProduct,
     .twist_product = TwistProduct,
     .landmark_pivots = LandmarkPivots,
+    .landmark_steps = LandmarkSteps,
     .add_twist_blocks = AddTwistBlocks,
     .map_block = MapBlock,
     .inverse_factor = InverseFactor,

@@ -7,14 +7,14 @@
 #ifndef GLISSADE_KERNELS_IMPL_TWIST_BLOCKS_H_
 #define GLISSADE_KERNELS_IMPL_TWIST_BLOCKS_H_
 
-#include "kernels/impl/simd.h"
-#include "kernels/twists.h"
+#include "kernels/impl/points.h"
+#include "kernels/impl/twists.h"
 
 namespace glissade::kernels {
 namespace {
 
-int LandmarkPivots(int count, const double* h, const double* b, double lambda, double min_diagonal,
-                   double max_diagonal, double* inverse_h, double* scale, double* beta) {
+int ScalarPivots(int count, const double* h, const double* b, double lambda, double min_diagonal,
+                 double max_diagonal, double* scale, double* beta) {
   const vd low = Splat(min_diagonal), high = Splat(max_diagonal);
   int first_bad = -1;
   for (int lane = 0; lane < count; lane += kW) {
@@ -30,22 +30,50 @@ int LandmarkPivots(int count, const double* h, const double* b, double lambda, d
     const vd bl = Load(b + lane) * root;
     for (int i = 0; i < kW; ++i) {
       if (lane + i >= count) {
-        inverse_h[lane + i] = scale[lane + i] = beta[lane + i] = 0.0;
+        scale[lane + i] = beta[lane + i] = 0.0;
       } else if (good[i] == 0 && first_bad < 0) {
         first_bad = lane + i;
       }
     }
     if (lane + kW <= count) {
-      Store(inverse_h + lane, inverse);
       Store(scale + lane, root);
       Store(beta + lane, bl);
     } else {
-      StorePartial(inverse_h + lane, inverse, count - lane);
       StorePartial(scale + lane, root, count - lane);
       StorePartial(beta + lane, bl, count - lane);
     }
   }
   return first_bad;
+}
+
+int LandmarkPivots(const TwistGroup* group, const double* h, const double* b, double lambda,
+                   double min_diagonal, double max_diagonal, double* factor, double* beta) {
+  return group->dim == 1
+             ? ScalarPivots(group->used, h, b, lambda, min_diagonal, max_diagonal, factor, beta)
+             : PointPivots(*group, h, b, lambda, min_diagonal, max_diagonal, factor, beta);
+}
+
+void LandmarkSteps(const TwistGroup* group, const double* factor, const double* b,
+                   const double* product, double* step) {
+  if (group->dim != 1) return PointSteps(*group, factor, b, product, step);
+  for (Index lane = 0; lane < group->lanes; lane += kW) {
+    const vd scale = Load(factor + lane);
+    const vd x = (b != nullptr ? Load(b + lane) : Zero()) - Load(product + lane);
+    Store(step + lane, scale * (scale * x));
+  }
+}
+
+void TwistPanel(const TwistGroup* group, const double* factor, const double* beta, double* W) {
+  group->dim == 1 ? ScalarPanel(group, factor, beta, W) : PointPanel(*group, factor, beta, W);
+}
+
+void TwistTransposeProduct(const TwistGroup* group, const double* twists, double* product) {
+  group->dim == 1 ? ScalarTransposeProduct(group, twists, product)
+                  : PointTransposeProduct(*group, twists, product);
+}
+
+void TwistProduct(const TwistGroup* group, const double* u, double* sums) {
+  group->dim == 1 ? ScalarProduct(group, u, sums) : PointProduct(*group, u, sums);
 }
 
 // Blocks have columns of 8, so that they are moved in whole vectors: masked ones that overlap the

@@ -7,14 +7,15 @@
 #define GLISSADE_KERNELS_IMPL_TWIST_REDUCE_H_
 
 #include "kernels/impl/tile.h"
-#include "kernels/twists.h"
+#include "kernels/impl/twists.h"
 
 namespace glissade::kernels {
 namespace {
 
-/// Lanes that the rows of a panel from 8 * block on have numbers for.
+/// Columns that the rows of a panel from 8 * block on have numbers in.
 GLISSADE_INLINE int PanelDepth(const TwistGroup& group, int block) {
-  return block == 0 ? group.lanes : group.targets[(kPanelRows * block - 7) / 6].lanes;
+  const int target = (kPanelRows * block - FirstTargetRow(group)) / 6;
+  return group.dim * (block == 0 ? group.used : group.targets[target].used);
 }
 
 /// Adds column k of A times row k of B' to the first kRows vectors of the tile.
@@ -54,7 +55,7 @@ __attribute__((noinline)) void FallingTile(const int (&depth)[kMr], const double
 }
 
 void TwistReduce(const TwistGroup* group, const double* w, double* reduced) {
-  const int n = 7 + 6 * group->num_targets;
+  const int n = TwistRows(*group);
   const int stride = (n + kPanelRows - 1) / kPanelRows * kPanelRows;
   const Index ld = stride;
   for (int j = 0; j < stride; j += kNr) {

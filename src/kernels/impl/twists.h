@@ -14,6 +14,15 @@ namespace {
 
 constexpr int kUsedTwistSums = (27 + kW - 1) / kW * kW;
 
+/// Where rows of the targets begin in a panel, after those of the right-hand side and the host.
+GLISSADE_INLINE int FirstTargetRow(const TwistGroup& group) {
+  return group.dim == 1 ? 7 : 1;
+}
+/// Rows of a panel.
+GLISSADE_INLINE int TwistRows(const TwistGroup& group) {
+  return FirstTargetRow(group) + 6 * group.num_targets;
+}
+
 /// out = M x, 3 x 3 row-major.
 GLISSADE_INLINE void Rotate(const double* M, const vd (&x)[3], vd (&out)[3]) {
 #pragma GCC unroll 3
@@ -158,10 +167,10 @@ int TwistSums(const TwistRun* run, const TwistTotals* to) {
 
 /// One column of W per lane: [beta; host; target 0; target 1; ...], scaled. W is d b_pose /
 /// d landmark in twists: the host has the sum of the forces, each target minus its own.
-void TwistPanel(const TwistGroup* group, const double* scale, const double* beta, double* W) {
-  const int n = 7 + 6 * group->num_targets;
+void ScalarPanel(const TwistGroup* group, const double* scale, const double* beta, double* W) {
+  const int n = TwistRows(*group);
   const Index ld = (n + kPanelRows - 1) / kPanelRows * kPanelRows;
-  for (int lane = 0; lane < group->lanes; lane += kW) {
+  for (int lane = 0; lane < group->used; lane += kW) {
     double* column = W + lane * ld;
     const vd s = Load(scale + lane);
     vd total[6] = {Zero(), Zero(), Zero(), Zero(), Zero(), Zero()};
@@ -197,7 +206,7 @@ GLISSADE_INLINE void TwistDifference(const double* twists, int target, double (&
 }
 
 /// product = W' xi, with the twists of the host and of each target one after the other.
-void TwistTransposeProduct(const TwistGroup* group, const double* twists, double* product) {
+void ScalarTransposeProduct(const TwistGroup* group, const double* twists, double* product) {
   for (int lane = 0; lane < group->lanes; lane += kW)
     Store(product + lane, Zero());
   for (int k = 0; k < group->num_targets; ++k) {
@@ -215,7 +224,7 @@ void TwistTransposeProduct(const TwistGroup* group, const double* twists, double
 }
 
 /// sums = W u by frame: 6 numbers for the host, then for each target.
-void TwistProduct(const TwistGroup* group, const double* u, double* sums) {
+void ScalarProduct(const TwistGroup* group, const double* u, double* sums) {
   for (int i = 0; i < 6; ++i)
     sums[i] = 0.0;
   for (int k = 0; k < group->num_targets; ++k) {

@@ -103,15 +103,16 @@ struct TwoViewResidual {
   vd r0, r1, weight;
 };
 
+/// uv: two arrays of n.
 template <bool kMasked, LaneLoss kLoss>
-GLISSADE_INLINE TwoViewResidual WeighLanes(const TwoViewRun& run, const TwoViewWeights& weights,
-                                           vd u, vd v, Index s, vd* cost) {
-  const Index n = run.lanes;
+GLISSADE_INLINE TwoViewResidual WeighLanes(const double* uv, Index n, const double* mask,
+                                           const TwoViewWeights& weights, vd u, vd v, Index s,
+                                           vd* cost) {
   TwoViewResidual out;
-  out.r0 = u - Load(run.uv + 2 * n + s);
-  out.r1 = v - Load(run.uv + 3 * n + s);
+  out.r0 = u - Load(uv + s);
+  out.r1 = v - Load(uv + n + s);
   out.weight = Splat(weights.scale * weights.scale);
-  if (kMasked) out.weight *= Load(run.mask + s);
+  if (kMasked) out.weight *= Load(mask + s);
   const vd square = out.weight * (out.r0 * out.r0 + out.r1 * out.r1);
   if (kLoss == LaneLoss::kNone) {
     *cost += square;
@@ -129,7 +130,8 @@ double TwoViewCostOf(const TwoViewRun& run, const TwoViewWeights& weights) {
   vd cost = Zero();
   for (Index s = 0; s < run.lanes; s += kW) {
     const TwoViewPoint point = ProjectLanes<kMasked>(run, pose, s);
-    WeighLanes<kMasked, kLoss>(run, weights, point.u, point.v, s, &cost);
+    WeighLanes<kMasked, kLoss>(run.uv + 2 * Index{run.lanes}, run.lanes, run.mask, weights, point.u,
+                               point.v, s, &cost);
   }
   return 0.5 * Sum(cost);
 }
@@ -144,8 +146,8 @@ struct TwoViewCostKernel {
 };
 
 /// Kernel::Run with what the compiler should know of a run.
-template <class Kernel, bool kMasked, class... Args>
-auto WithLoss(const TwoViewRun& run, const TwoViewWeights& weights, Args... args) {
+template <class Kernel, bool kMasked, class Run, class... Args>
+auto WithLoss(const Run& run, const TwoViewWeights& weights, Args... args) {
   switch (weights.loss) {
     case LaneLoss::kNone:
       return Kernel::template Run<kMasked, LaneLoss::kNone>(run, weights, args...);
@@ -157,8 +159,8 @@ auto WithLoss(const TwoViewRun& run, const TwoViewWeights& weights, Args... args
       return Kernel::template Run<kMasked, LaneLoss::kTukey>(run, weights, args...);
   }
 }
-template <class Kernel, class... Args>
-auto ForRun(const TwoViewRun& run, const TwoViewWeights& weights, Args... args) {
+template <class Kernel, class Run, class... Args>
+auto ForRun(const Run& run, const TwoViewWeights& weights, Args... args) {
   return run.mask != nullptr ? WithLoss<Kernel, true>(run, weights, args...)
                              : WithLoss<Kernel, false>(run, weights, args...);
 }
