@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The center of the twists, and which landmarks are too far from it: LandmarkPlan::kMaxReach.
+// The center of the twists; which landmarks are too far from it (LandmarkPlan::kMaxReach), and
+// which groups of points are too sparse (kMaxFill).
 
 #include <algorithm>
 #include <cmath>

@@ -15,7 +15,7 @@ struct EdgeEvaluation {
   /// states, Jacobians of edges with FirstEstimateRule::kWhole are taken one by one all the same.
   int in_packs = 0;
   int one_by_one = 0;
-  /// Of both: on landmarks that are eliminated in groups of one host, poses as twists
+  /// Of both: on landmarks that are eliminated in groups, poses as twists
   /// (structure/landmark_plan.h).
   int as_twists = 0;
   /// That edges on landmarks take up, in packs or not: edges on the same vertices but for the

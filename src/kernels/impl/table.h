@@ -12,6 +12,7 @@
 #include "kernels/impl/left_multiply.h"
 #include "kernels/impl/losses.h"
 #include "kernels/impl/partial.h"
+#include "kernels/impl/point_elimination.h"
 #include "kernels/impl/point_views.h"
 #include "kernels/impl/points.h"
 #include "kernels/impl/rank_update.h"

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Around the elimination of groups (kernels/twists.h): pivots of the landmarks before it, sums
-// over hosts and the map from twists to the tangent after it.
+// The elimination of groups (kernels/twists.h), of one number or of points; sums over groups and
+// the map from twists to the tangent after it.
 
 #ifndef GLISSADE_KERNELS_IMPL_TWIST_BLOCKS_H_
 #define GLISSADE_KERNELS_IMPL_TWIST_BLOCKS_H_
 
-#include "kernels/impl/points.h"
+#include "kernels/impl/point_elimination.h"
 #include "kernels/impl/twists.h"
 
 namespace glissade::kernels {
