@@ -103,8 +103,10 @@ Status SlidingWindow::Associate(std::span<const FrameObservation> observations) 
 void SlidingWindow::Impl::UpdateCamerasInWorld() {
   cameras_in_world.clear();
   for (const WindowFrame& frame : frames) {
-    for (const WindowCamera& camera : options.cameras)
-      cameras_in_world.push_back(frame.T_w_b * camera.T_b_c);
+    for (const WindowCamera& camera : options.cameras) {
+      const Pose T_w_c = frame.T_w_b * camera.T_b_c;
+      cameras_in_world.push_back({T_w_c, T_w_c.R().transpose()});
+    }
   }
 }
 
@@ -121,7 +123,7 @@ Status SlidingWindow::TriangulateTracks() {
     w.views.clear();
     for (const LandmarkObservation& o : landmark.observations) {
       const WindowCamera& camera = w.options.cameras[Index(o.camera)];
-      w.views.push_back({w.CameraInWorld(w.FrameIndex(o.frame), o.camera), o.uv,
+      w.views.push_back({w.CameraOf(w.FrameIndex(o.frame), o.camera).T_w_c, o.uv,
                          camera.sigma_px / std::sqrt(camera.fx * camera.fy)});
     }
     const auto point = Triangulate(w.views, w.options.triangulation);
@@ -157,8 +159,13 @@ void SlidingWindow::ChooseKeyframe(KeyframeChoice choice) {
                                    [](const WindowFrame& f) { return f.is_keyframe; });
   if (choice != KeyframeChoice::kByRules) {
     frame.is_keyframe = choice == KeyframeChoice::kYes;
-  } else if (before == w.frames.rend()) {
+  } else if (before == w.frames.rend() || !w.HasImu()) {
+    // Without an IMU nothing but its observations ties a frame to the others, and those of a frame
+    // that is no keyframe are lost.
     frame.is_keyframe = true;
+  } else if (w.anchor_frame >= 0) {
+    // Standing still shows nothing new, and the frame where it began is to stay.
+    frame.is_keyframe = w.anchor_frame == frame.id;
   } else {
     const KeyframeRules& rules = w.options.keyframes;
     const Matrix3 R_last_new = before->T_w_b.R().transpose() * frame.T_w_b.R();

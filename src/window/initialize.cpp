@@ -2,28 +2,69 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The first state.
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "glissade/lie/so3.h"
 #include "glissade/window/initial_state_prior.h"
+#include "glissade/window/initialize_static.h"
 #include "window/sliding_window_impl.h"
 
 namespace glissade {
 
-Status SlidingWindow::Impl::Start(const WindowState& state, const InitialSigmas& sigmas) {
-  if (Status s = sigmas.Validate(); !s.ok()) return s;
+namespace {
+
+/// So long, until now, a body must have stood still to begin there.
+constexpr std::int64_t kStandingNs = 1'000'000'000;
+
+/// L' L = covariance^-1, scaled to a unit diagonal before it is factored so that units do not
+/// matter.
+bool SqrtInformation(const SquareMatrix<11>& covariance, SquareMatrix<11>* sqrt) {
+  const Vector<11> scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  if (!scale.allFinite()) return false;
+  const Eigen::Matrix<double, 11, 11> scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
+  const Eigen::LLT<Eigen::Matrix<double, 11, 11>> llt(scaled);
+  if (llt.info() != Eigen::Success) return false;
+  // covariance = D^-1 L L' D^-1, so (L^-1 D)' (L^-1 D) is its inverse.
+  *sqrt = llt.matrixL().solve(Eigen::Matrix<double, 11, 11>(scale.asDiagonal()));
+  return sqrt->allFinite();
+}
+
+SquareMatrix<11> Covariance11(const InitialSigmas& sigmas) {
+  Vector<11> s;
+  s.head<2>().setConstant(sigmas.tilt);
+  s.segment<3>(2).setConstant(sigmas.speed);
+  s.segment<3>(5).setConstant(sigmas.accel_bias);
+  s.segment<3>(8).setConstant(sigmas.gyro_bias);
+  return s.cwiseAbs2().asDiagonal();
+}
+
+/// The covariance of p, theta, v, ba, bg in that of what EdgeInitialState holds.
+SquareMatrix<11> Covariance11(const StaticState& state) {
+  const Matrix3 R = state.pose.pose.R();
+  const Vector3 up = R.row(2).transpose();
+  Matrix<11, 15> J = Matrix<11, 15>::Zero();
+  J.block<2, 3>(0, 3) = EdgeInitialState::Perpendicular(up).transpose() * so3::Hat(up);
+  J.block<3, 3>(2, 3) = so3::Hat(R.transpose() * state.speed_bias.v());
+  J.block<3, 3>(2, 6) = R.transpose();
+  J.block<6, 6>(5, 9).setIdentity();
+  return J * state.covariance * J.transpose();
+}
+
+}  // namespace
+
+Status SlidingWindow::Impl::Start(const WindowState& state, const SquareMatrix<11>& covariance11) {
+  SquareMatrix<11> sqrt;
+  if (HasImu() && !SqrtInformation(covariance11, &sqrt)) {
+    return {StatusCode::kNotPositive, "covariance of the first state"};
+  }
   if (Status s = AppendFrame(state.stamp_ns, state.T_w_b, state.speed_bias); !s.ok()) return s;
   frames.back().is_keyframe = true;
   if (HasImu()) {
-    Vector<11> inverse;
-    inverse.head<2>().setConstant(1.0 / sigmas.tilt);
-    inverse.segment<3>(2).setConstant(1.0 / sigmas.speed);
-    inverse.segment<3>(5).setConstant(1.0 / sigmas.accel_bias);
-    inverse.segment<3>(8).setConstant(1.0 / sigmas.gyro_bias);
     const WindowFrame& frame = frames.back();
-    const auto prior = problem.AddEdge(
-        EdgeInitialState{state.T_w_b, state.speed_bias}, {frame.pose, frame.speed_bias},
-        {.sqrt_information = SquareMatrix<11>(inverse.asDiagonal())});
+    const auto prior = problem.AddEdge(EdgeInitialState{state.T_w_b, state.speed_bias},
+                                       {frame.pose, frame.speed_bias}, {.sqrt_information = sqrt});
     if (!prior.ok()) return prior.status();
   }
   phase = WindowPhase::kRunning;
@@ -33,27 +74,33 @@ Status SlidingWindow::Impl::Start(const WindowState& state, const InitialSigmas&
 
 Status SlidingWindow::Start(const WindowState& state, const InitialSigmas& sigmas) {
   if (!impl_->options_status.ok()) return impl_->options_status;
+  if (Status s = sigmas.Validate(); !s.ok()) return s;
   if (impl_->phase != WindowPhase::kInitializing) {
     return {StatusCode::kInvalidArgument, "the window has a first state already"};
   }
-  return impl_->Start(state, sigmas);
+  return impl_->Start(state, Covariance11(sigmas));
+}
+
+Status SlidingWindow::Impl::TryToStartStanding(std::int64_t stamp_ns) {
+  if (Status s = imu.Between(stamp_ns - kStandingNs, stamp_ns, &interval); !s.ok()) {
+    init_verdict.reason = InitReason::kTooFewSamples;
+    init_verdict.message = s.message();
+    return {};
+  }
+  StaticOptions how;
+  how.stillness = options.stillness;
+  how.bias_prior = options.bias_prior;
+  how.gravity = options.gravity;
+  how.cameras = options.cameras;
+  how.frames = SeenSince(stamp_ns - kStandingNs);
+  const auto standing = InitializeStatic(interval.samples, *options.imu_noise, how, &init_verdict);
+  if (!standing.ok()) return {};
+  return Start({stamp_ns, standing->pose.pose, standing->speed_bias}, Covariance11(*standing));
 }
 
 Status SlidingWindow::Impl::TryToStart(std::int64_t stamp_ns) {
-  if (!HasImu()) return Start({stamp_ns, Pose(), {}}, options.initial);
-  if (Status s = imu.Between(stamp_ns - 500'000'000, stamp_ns, &interval); !s.ok()) return {};
-  Vector3 gyro = Vector3::Zero(), accel = Vector3::Zero();
-  for (const ImuSample& sample : interval.samples) {
-    gyro += sample.gyro;
-    accel += sample.accel;
-  }
-  gyro /= static_cast<double>(interval.samples.size());
-  accel /= static_cast<double>(interval.samples.size());
-  // R_w_b takes the mean specific force to the vertical, with yaw 0.
-  const Quaternion q = Quaternion::FromTwoVectors(accel, Vector3::UnitZ());
-  return Start(
-      {stamp_ns, Pose(q, Vector3::Zero()), VertexSpeedBias(Vector3::Zero(), Vector3::Zero(), gyro)},
-      options.initial);
+  if (HasImu()) return TryToStartStanding(stamp_ns);
+  return Start({stamp_ns, Pose(), {}}, SquareMatrix<11>::Identity());
 }
 
 Status SlidingWindow::Reset() {
@@ -67,11 +114,12 @@ Status SlidingWindow::Reset() {
   w.num_landmarks = 0;
   w.tracks.Clear();
   w.summary = nullptr;
+  w.anchor_frame = -1;
   w.Count(WindowEvent::kReset);
-  InitialSigmas sigmas = w.options.initial;
-  sigmas.tilt = std::max(sigmas.tilt, 0.05);
-  sigmas.speed = std::max(sigmas.speed, 0.5);
-  return w.Start(state, sigmas);
+  return w.Start(state, Covariance11(InitialSigmas{.tilt = 0.05,
+                                                   .speed = 0.5,
+                                                   .accel_bias = w.options.bias_prior.accel_sigma,
+                                                   .gyro_bias = w.options.bias_prior.gyro_sigma}));
 }
 
 }  // namespace glissade

@@ -44,7 +44,11 @@ Status SlidingWindowOptions::Validate() const {
   if (min_observations < 2) {
     return {StatusCode::kInvalidArgument, "min_observations must be at least 2"};
   }
-  if (Status s = initial.Validate(); !s.ok()) return s;
+  if (Status s = bias_prior.Validate(); !s.ok()) return s;
+  if (Status s = stillness.Validate(); !s.ok()) return s;
+  if (!(cost_tolerance >= 0.0)) {
+    return {StatusCode::kInvalidArgument, "cost_tolerance must not be negative"};
+  }
   if (max_frame_gap_ns <= 0) {
     return {StatusCode::kNotPositive, "max_frame_gap_ns must be > 0"};
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // How a frame gets its first state, and what ties it to the frame before.
+#include <algorithm>
 #include <string>
 
 #include "glissade/imu/imu_factor.h"
@@ -53,6 +54,18 @@ Status SlidingWindow::Impl::AppendFrame(std::int64_t stamp_ns, const Pose& T_w_b
   last_stamp_ns = stamp_ns;
   newest = {stamp_ns, T_w_b, speed_bias};
   return {};
+}
+
+void SlidingWindow::Impl::ForgetSamples() {
+  if (!HasImu()) return;
+  // Terms may be integrated again, and standing still is judged by the last second and a half.
+  std::int64_t needed = last_stamp_ns - 1'500'000'000;
+  for (const WindowFrame& frame : frames) {
+    if (!frame.HasSpeedBias()) continue;
+    needed = std::min(needed, frame.stamp_ns);
+    break;
+  }
+  imu.DropBefore(needed);
 }
 
 Status SlidingWindow::Impl::Integrate(std::int64_t begin_ns, std::int64_t end_ns,

@@ -21,9 +21,9 @@ Status SlidingWindow::RejectOutliers() {
     for (std::size_t i = 0; i < landmark.observations.size(); ++i) {
       const LandmarkObservation o = landmark.observations[i];
       const int frame = w.FrameIndex(o.frame);
-      const Pose& T_w_c = w.CameraInWorld(frame, o.camera);
+      const CameraInWorld& at = w.CameraOf(frame, o.camera);
       const WindowCamera& camera = w.options.cameras[Index(o.camera)];
-      const Vector3 x = T_w_c.R().transpose() * (X - T_w_c.p());
+      const Vector3 x = at.R_c_w * (X - at.T_w_c.p());
       const double du = camera.fx / camera.sigma_px * (x[0] / x[2] - o.uv[0]);
       const double dv = camera.fy / camera.sigma_px * (x[1] / x[2] - o.uv[1]);
       // Not finite, behind the camera: does not fit either.

@@ -151,13 +151,7 @@ Status SlidingWindow::Slide() {
   }
   w.frames.resize(kept);
   w.preintegrations.resize(kept);
-  if (w.HasImu()) {
-    for (const WindowFrame& frame : w.frames) {
-      if (!frame.HasSpeedBias()) continue;
-      w.imu.DropBefore(frame.stamp_ns);
-      break;
-    }
-  }
+  w.ForgetSamples();
 
   // Tracks that ended before they became landmarks, and landmarks with too little left.
   for (std::size_t l = w.num_landmarks; l-- > 0;) {

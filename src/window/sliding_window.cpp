@@ -75,13 +75,23 @@ Status SlidingWindow::AddFrame(std::int64_t stamp_ns,
   if (!w.options_status.ok()) return w.options_status;
   w.recent = {};
   if (w.phase == WindowPhase::kInitializing) {
+    if (!w.seen.empty() && stamp_ns <= w.seen.back().stamp_ns) {
+      return {StatusCode::kInvalidArgument, "the frame's stamp is not after the last frame's"};
+    }
+    w.Remember(stamp_ns, observations);
     if (Status s = w.TryToStart(stamp_ns); !s.ok()) return s;
-    if (w.phase == WindowPhase::kInitializing) return {};
-  } else if (Status s = Propagate(stamp_ns); !s.ok()) {
-    return s;
+    if (w.phase == WindowPhase::kInitializing) {
+      w.last_stamp_ns = stamp_ns;
+      w.ForgetSamples();
+      return {};
+    }
+  } else {
+    if (Status s = Propagate(stamp_ns); !s.ok()) return s;
+    w.Remember(stamp_ns, observations);
   }
   if (Status s = Associate(observations); !s.ok()) return s;
   if (Status s = TriangulateTracks(); !s.ok()) return s;
+  if (Status s = UseStillness(); !s.ok()) return s;
   ChooseKeyframe(keyframe);
   return {};
 }
@@ -101,7 +111,7 @@ Status SlidingWindow::Solve(const WindowBudget& budget) {
   SolveOptions options;
   options.max_iterations = budget.max_iterations;
   options.max_time_s = budget.max_time_s;
-  options.cost_tolerance = 1e-5;
+  options.cost_tolerance = w.options.cost_tolerance;
   options.initial_lambda = 1e-6;
   options.gauge = w.WindowGauge();
   w.summary = &w.problem.Solve(options);
@@ -116,6 +126,9 @@ Status SlidingWindow::Solve(const WindowBudget& budget) {
 
 WindowPhase SlidingWindow::phase() const {
   return impl_->phase;
+}
+const InitVerdict& SlidingWindow::init_verdict() const {
+  return impl_->init_verdict;
 }
 const WindowState& SlidingWindow::newest() const {
   return impl_->newest;

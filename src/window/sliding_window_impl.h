@@ -15,6 +15,17 @@
 
 namespace glissade {
 
+/// The observations of a frame, kept.
+struct SeenFrame {
+  std::int64_t stamp_ns = 0;
+  std::vector<FrameObservation> observations;
+};
+
+struct CameraInWorld {
+  Pose T_w_c;
+  Matrix3 R_c_w;
+};
+
 /// What the steps of a window share. Frames are few and stand in the order of time; landmarks are
 /// found by their track.
 struct SlidingWindow::Impl {
@@ -43,10 +54,15 @@ struct SlidingWindow::Impl {
 
   // Storage of the steps.
   ImuInterval interval;
+  /// What the images of the last frames showed, for those who ask whether they moved.
+  std::vector<SeenFrame> seen;
+  std::vector<FrameObservations> seen_views;
+  InitVerdict init_verdict;
+  std::int64_t anchor_frame = -1;  ///< where the body has stood still since; -1: it does not
   WindowPlan plan;
   std::vector<TriangulationView> views;
   std::vector<AnyVertex> leaving;
-  std::vector<Pose> cameras_in_world;
+  std::vector<CameraInWorld> cameras_in_world;  // [frame * cameras + camera]
   Covariance covariance;
 
   [[nodiscard]] bool HasImu() const { return options.imu_noise.has_value(); }
@@ -60,7 +76,9 @@ struct SlidingWindow::Impl {
   [[nodiscard]] Gauge WindowGauge() const;
 
   /// The first frame, with a prior on what is believed of it.
-  Status Start(const WindowState& state, const InitialSigmas& sigmas);
+  Status Start(const WindowState& state, const SquareMatrix<11>& covariance);
+  /// From what stands still, if it does.
+  Status TryToStartStanding(std::int64_t stamp_ns);
   /// Adds a frame at a state; without a term that ties it to others.
   Status AppendFrame(std::int64_t stamp_ns, const Pose& T_w_b, const VertexSpeedBias& speed_bias);
   /// Whether the first state could be found at this stamp; then the first frame is there.
@@ -68,6 +86,8 @@ struct SlidingWindow::Impl {
   /// Integrates from one stamp to another into *preintegration, counting gaps and saturation.
   Status Integrate(std::int64_t begin_ns, std::int64_t end_ns, const ImuBias& bias,
                    ImuPreintegration* preintegration);
+  /// Samples that no step will ask for again.
+  void ForgetSamples();
   Status AddImuTerm(const ImuPreintegration& preintegration, WindowFrame* from, WindowFrame* to);
 
   /// The landmark of a track; a new one where there is none.
@@ -77,13 +97,18 @@ struct SlidingWindow::Impl {
   /// Takes a landmark out of the graph without a trace; it may be triangulated again.
   Status RemoveFromGraph(WindowLandmark* landmark);
   Status AddObservationEdge(WindowLandmark* landmark, LandmarkObservation* observation);
-  /// T_w_c of every camera of every frame: [frame * cameras + camera].
   void UpdateCamerasInWorld();
-  [[nodiscard]] const Pose& CameraInWorld(int frame, int camera) const {
+  [[nodiscard]] const CameraInWorld& CameraOf(int frame, int camera) const {
     return cameras_in_world[static_cast<std::size_t>(frame) * options.cameras.size() +
                             static_cast<std::size_t>(camera)];
   }
   void ReadStates();
+
+  void Remember(std::int64_t stamp_ns, std::span<const FrameObservation> observations);
+  /// The frames remembered since a stamp.
+  std::span<const FrameObservations> SeenSince(std::int64_t stamp_ns);
+  /// Whether the body stood still for a while until the stamp, by the IMU and the images.
+  [[nodiscard]] bool StandsStill(std::int64_t stamp_ns);
 
   // Of Slide().
   void CompletePlan();

@@ -6,6 +6,7 @@
 
 #include "glissade/base/validate.h"
 #include "glissade/edges/edge_ops.h"
+#include "glissade/lie/so3.h"
 #include "glissade/vertices/pose.h"
 #include "glissade/vertices/speed_bias.h"
 
@@ -39,8 +40,8 @@ struct EdgeInitialState {
       r[5 + i] = state.data[3 + i] - speed_bias.data[3 + i];
     if (d_r_d_pose) {
       d_r_d_pose->setZero();
-      d_r_d_pose->block<2, 3>(0, 3) = B.transpose() * Skew(up);
-      d_r_d_pose->block<3, 3>(2, 3) = Skew(v_b);
+      d_r_d_pose->block<2, 3>(0, 3) = B.transpose() * so3::Hat(up);
+      d_r_d_pose->block<3, 3>(2, 3) = so3::Hat(v_b);
     }
     if (d_r_d_state) {
       d_r_d_state->setZero();
@@ -55,13 +56,7 @@ struct EdgeInitialState {
     return speed_bias.Validate();
   }
 
- private:
-  template <int = 0>
-  static Matrix3 Skew(const Vector3& x) {
-    Matrix3 S;
-    S << 0.0, -x[2], x[1], x[2], 0.0, -x[0], -x[1], x[0], 0.0;
-    return S;
-  }
+  /// B of a vertical u.
   template <int = 0>
   static Matrix<3, 2> Perpendicular(const Vector3& u) {
     // The axis that u has least of, made perpendicular.

@@ -12,14 +12,17 @@
 #include "glissade/graph/first_estimates.h"
 #include "glissade/imu/noise.h"
 #include "glissade/losses/loss.h"
+#include "glissade/window/init_verdict.h"
 #include "glissade/window/observation.h"
+#include "glissade/window/stillness.h"
 #include "glissade/window/triangulate.h"
 
 namespace glissade {
 
 class WindowPolicy;
 
-/// When a frame is kept for longer than the newest ones. Any of the rules is enough.
+/// When a frame is kept for longer than the newest ones. Any of the rules is enough; without an IMU
+/// every frame is a keyframe, and while the body stands still none is.
 struct KeyframeRules {
   /// Less than this part of the last keyframe's landmarks is seen.
   double min_tracked_share = 0.6;
@@ -58,11 +61,17 @@ struct SlidingWindowOptions {
   /// r'r in sigmas beyond which an observation is taken out after a solve: 99.9 % of chi2, 2 DoF.
   double max_chi2 = 13.8;
   TriangulationOptions triangulation;
+  /// A solve has converged where the cost falls by less than this part of itself.
+  double cost_tolerance = 1e-4;
   /// A landmark with fewer observations than this in the window says nothing and is taken out.
   int min_observations = 2;
 
-  /// Of the first state.
-  InitialSigmas initial;
+  /// What is known of the biases before anything is measured.
+  ImuBiasPrior bias_prior;
+  /// What standing still means: where a window may begin, and what it adds while it lasts.
+  StillnessOptions stillness;
+  /// Whether standing still is made use of once the window runs.
+  bool use_stillness = true;
 
   /// A frame whose stamp is further than this behind the last one is refused: a clock that jumped.
   std::int64_t max_frame_gap_ns = 10'000'000'000;
@@ -73,7 +82,7 @@ struct SlidingWindowOptions {
 
 /// How much one Optimize() may do.
 struct WindowBudget {
-  int max_iterations = 4;  ///< linear solves
+  int max_iterations = 3;  ///< linear solves
   double max_time_s = std::numeric_limits<double>::infinity();
 };
 

@@ -47,7 +47,7 @@ struct WindowState {
 /// points in the world. What happens in a frame is a list of steps, each of which can also be
 /// called alone; AddFrame() and Optimize() call them in this order:
 ///
-///     AddFrame: Propagate, Associate, TriangulateTracks, ChooseKeyframe
+///     AddFrame: Propagate, Associate, TriangulateTracks, UseStillness, ChooseKeyframe
 ///     Optimize: Solve, RejectOutliers, ReplaceImuTerms, Slide
 ///
 /// Calls that are refused leave everything as it was. Not for use by two threads at once.
@@ -71,6 +71,9 @@ class SlidingWindow {
   Status Start(const WindowState& state, const InitialSigmas& sigmas);
   /// Nothing to do, and ok, before the first state is there.
   Status Optimize(const WindowBudget& budget = {});
+
+  /// Why there is no first state yet: what was tested last, and by which number.
+  [[nodiscard]] const InitVerdict& init_verdict() const;
 
   // --- What is known -------------------------------------------------------------------------
   [[nodiscard]] WindowPhase phase() const;
@@ -97,6 +100,9 @@ class SlidingWindow {
   Status Associate(std::span<const FrameObservation> observations);
   /// Makes landmarks of tracks whose point has become known.
   Status TriangulateTracks();
+  /// Where the body stands still, by the IMU and the images: says that its velocity is zero and
+  /// that it is where it was when that began.
+  Status UseStillness();
   /// Makes the newest frame a keyframe or not.
   void ChooseKeyframe(KeyframeChoice choice);
   Status Solve(const WindowBudget& budget);

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// A body that stands still measures its velocity, zero, and that it is where it was.
+#include <algorithm>
+
+#include "glissade/base/index.h"
+#include "glissade/edges/body_velocity.h"
+#include "glissade/edges/relative_pose.h"
+#include "glissade/window/stillness.h"
+#include "window/sliding_window_impl.h"
+
+namespace glissade {
+
+using internal::Index;
+
+namespace {
+
+/// What standing still is judged by, and how long what was seen is remembered.
+constexpr std::int64_t kJudgedNs = 600'000'000;
+constexpr std::int64_t kRememberedNs = 2'500'000'000;
+
+}  // namespace
+
+void SlidingWindow::Impl::Remember(std::int64_t stamp_ns,
+                                   std::span<const FrameObservation> observations) {
+  // The frames that are too old give their storage to the new one.
+  const auto old = std::find_if(seen.begin(), seen.end(), [&](const SeenFrame& frame) {
+    return frame.stamp_ns >= stamp_ns ||
+           SecondsBetween(frame.stamp_ns, stamp_ns) <= 1e-9 * static_cast<double>(kRememberedNs);
+  });
+  if (old == seen.begin()) {
+    seen.emplace_back();
+  } else {
+    std::rotate(seen.begin(), old, seen.end());
+    const auto kept = static_cast<std::size_t>(seen.end() - old);
+    seen.resize(std::max<std::size_t>(kept, 0) + 1);
+  }
+  seen.back().stamp_ns = stamp_ns;
+  seen.back().observations.assign(observations.begin(), observations.end());
+}
+
+std::span<const FrameObservations> SlidingWindow::Impl::SeenSince(std::int64_t stamp_ns) {
+  seen_views.clear();
+  for (const SeenFrame& frame : seen) {
+    if (frame.stamp_ns >= stamp_ns) seen_views.push_back({frame.stamp_ns, frame.observations});
+  }
+  return seen_views;
+}
+
+bool SlidingWindow::Impl::StandsStill(std::int64_t stamp_ns) {
+  if (!imu.Between(stamp_ns - kJudgedNs, stamp_ns, &interval).ok()) return false;
+  if (!TestStillness(interval.samples, *options.imu_noise, options.stillness).verdict.ok()) {
+    return false;
+  }
+  return TestImageStillness(options.cameras, SeenSince(stamp_ns - kJudgedNs), options.stillness)
+      .verdict.ok();
+}
+
+Status SlidingWindow::UseStillness() {
+  Impl& w = *impl_;
+  if (w.frames.empty() || !w.HasImu() || !w.options.use_stillness) return {};
+  const WindowFrame& frame = w.frames.back();
+  if (!frame.HasSpeedBias() || !w.StandsStill(frame.stamp_ns)) {
+    w.anchor_frame = -1;
+    return {};
+  }
+  w.Count(WindowEvent::kStandingStill);
+  const double per_speed = 1.0 / w.options.stillness.tremble_speed;
+  const auto still =
+      w.problem.AddEdge(EdgeBodyVelocity{}, {frame.pose, frame.speed_bias},
+                        {.sqrt_information = Matrix3(per_speed * Matrix3::Identity())});
+  if (!still.ok()) {
+    static_cast<void>(w.problem.AcknowledgeRefusal());
+    return still.status();
+  }
+  const int anchor = w.anchor_frame >= 0 ? w.FrameIndex(w.anchor_frame) : -1;
+  if (anchor < 0) {
+    w.anchor_frame = frame.id;
+    return {};
+  }
+  // A tremble of that speed at some ten hertz is one of a millimetre.
+  Vector6 per_sigma;
+  per_sigma.head<3>().setConstant(1.0 / (0.1 * w.options.stillness.tremble_speed));
+  per_sigma.tail<3>().setConstant(1.0 / w.options.stillness.tremble_angle);
+  const auto same_place =
+      w.problem.AddEdge(EdgeRelativePose{}, {w.frames[Index(anchor)].pose, frame.pose},
+                        {.sqrt_information = Matrix6(per_sigma.asDiagonal())});
+  if (!same_place.ok()) {
+    static_cast<void>(w.problem.AcknowledgeRefusal());
+    return same_place.status();
+  }
+  return {};
+}
+
+}  // namespace glissade
