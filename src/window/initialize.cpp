@@ -5,9 +5,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "glissade/lie/so3.h"
 #include "glissade/window/initial_state_prior.h"
+#include "glissade/window/initialize_in_motion.h"
 #include "glissade/window/initialize_static.h"
 #include "window/sliding_window_impl.h"
 
@@ -17,6 +20,10 @@ namespace {
 
 /// So long, until now, a body must have stood still to begin there.
 constexpr std::int64_t kStandingNs = 1'000'000'000;
+/// A body in motion is begun with so many of the last frames: the most there may be, and the least
+/// that will do, or fewer where these span the time that acceleration takes to show.
+constexpr std::size_t kMostFrames = 20, kEnoughFrames = 10, kFewestFrames = 5;
+constexpr double kEnoughSeconds = 2.0;
 
 /// L' L = covariance^-1, scaled to a unit diagonal before it is factored so that units do not
 /// matter.
@@ -98,9 +105,69 @@ Status SlidingWindow::Impl::TryToStartStanding(std::int64_t stamp_ns) {
   return Start({stamp_ns, standing->pose.pose, standing->speed_bias}, Covariance11(*standing));
 }
 
-Status SlidingWindow::Impl::TryToStart(std::int64_t stamp_ns) {
-  if (HasImu()) return TryToStartStanding(stamp_ns);
-  return Start({stamp_ns, Pose(), {}}, SquareMatrix<11>::Identity());
+Status SlidingWindow::TryToStart(std::int64_t stamp_ns) {
+  Impl& w = *impl_;
+  if (!w.HasImu()) return w.Start({stamp_ns, Pose(), {}}, SquareMatrix<11>::Identity());
+  if (Status s = w.TryToStartStanding(stamp_ns); !s.ok()) return s;
+  if (w.phase == WindowPhase::kRunning || w.seen.size() < kFewestFrames) return {};
+  if (w.seen.size() < kEnoughFrames &&
+      SecondsBetween(w.seen.front().stamp_ns, stamp_ns) < kEnoughSeconds) {
+    return {};
+  }
+  return TryToStartMoving();
+}
+
+/// A first state from the last frames, if the body moves: they become the window's frames, and
+/// their observations and IMU terms say what is known of them.
+Status SlidingWindow::TryToStartMoving() {
+  Impl& w = *impl_;
+  InitializationInput input;
+  input.cameras = w.options.cameras;
+  input.frames = w.SeenSince(std::numeric_limits<std::int64_t>::min());
+  input.frames = input.frames.last(std::min(input.frames.size(), kMostFrames));
+  input.imu = w.imu.samples();
+  input.noise = *w.options.imu_noise;
+  input.bias_prior = w.options.bias_prior;
+  input.gravity = w.options.gravity;
+  input.stillness = w.options.stillness;
+  const auto moving = InitializeInMotion(input, &w.init_verdict);
+  if (!moving.ok()) return {};
+
+  const InitializedFrame& first = moving->frames.front();
+  // Nothing but the bias is known beforehand; frames and IMU say the rest.
+  VertexSpeedBias before(first.speed_bias.v(), w.options.bias_prior.mean.ba,
+                         w.options.bias_prior.mean.bg);
+  const InitialSigmas unknown{.tilt = 10.0,
+                              .speed = 100.0,
+                              .accel_bias = w.options.bias_prior.accel_sigma,
+                              .gyro_bias = w.options.bias_prior.gyro_sigma};
+  if (Status s = w.Start({first.stamp_ns, first.pose.pose, before}, Covariance11(unknown));
+      !s.ok()) {
+    return s;
+  }
+  if (Status s = w.problem.Set(w.frames.front().speed_bias, first.speed_bias); !s.ok()) return s;
+  const std::vector<FrameObservations> seen(input.frames.begin(), input.frames.end());
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    if (k > 0) {
+      const InitializedFrame& frame = moving->frames[k];
+      const VertexSpeedBias& state = moving->frames[k - 1].speed_bias;
+      ImuPreintegration preintegration;
+      if (Status s = w.Integrate(seen[k - 1].stamp_ns, frame.stamp_ns, {state.ba(), state.bg()},
+                                 &preintegration);
+          !s.ok()) {
+        return s;
+      }
+      if (Status s =
+              w.AppendFrameByImu(frame.stamp_ns, frame.pose.pose, frame.speed_bias, preintegration);
+          !s.ok()) {
+        return s;
+      }
+    }
+    if (k + 1 == seen.size()) break;  // AddFrame goes on with the newest
+    if (Status s = Associate(seen[k].observations); !s.ok()) return s;
+    ChooseKeyframe(KeyframeChoice::kByRules);
+  }
+  return {};
 }
 
 Status SlidingWindow::Reset() {

@@ -58,8 +58,10 @@ Status SlidingWindow::Impl::AppendFrame(std::int64_t stamp_ns, const Pose& T_w_b
 
 void SlidingWindow::Impl::ForgetSamples() {
   if (!HasImu()) return;
-  // Terms may be integrated again, and standing still is judged by the last second and a half.
-  std::int64_t needed = last_stamp_ns - 1'500'000'000;
+  // Terms may be integrated again, standing still is judged by the last second, and a first state
+  // looked for in what the last frames saw.
+  std::int64_t needed =
+      last_stamp_ns - (phase == WindowPhase::kInitializing ? 5'500'000'000 : 1'500'000'000);
   for (const WindowFrame& frame : frames) {
     if (!frame.HasSpeedBias()) continue;
     needed = std::min(needed, frame.stamp_ns);
@@ -89,6 +91,27 @@ Status SlidingWindow::Impl::AddImuTerm(const ImuPreintegration& preintegration, 
     return edge.status();
   }
   to->imu = *edge;
+  return {};
+}
+
+Status SlidingWindow::Impl::AppendFrameByImu(std::int64_t stamp_ns, const Pose& T_w_b,
+                                             const VertexSpeedBias& speed_bias,
+                                             const ImuPreintegration& preintegration) {
+  const WindowState before = newest;
+  if (Status s = AppendFrame(stamp_ns, T_w_b, speed_bias); !s.ok()) return s;
+  const std::size_t n = frames.size();
+  if (Status s = AddImuTerm(preintegration, &frames[n - 2], &frames[n - 1]); !s.ok()) {
+    static_cast<void>(problem.RemoveVertex(frames.back().pose));
+    static_cast<void>(problem.RemoveVertex(frames.back().speed_bias));
+    frames.pop_back();
+    preintegrations.pop_back();
+    --next_frame_id;
+    last_stamp_ns = before.stamp_ns;
+    newest = before;
+    return s;
+  }
+  preintegrations.back() = preintegration;
+  if (preintegration.gaps.count > 0) Count(WindowEvent::kImuGap);
   return {};
 }
 
@@ -127,23 +150,7 @@ Status SlidingWindow::Propagate(std::int64_t stamp_ns) {
   edge.imu = preintegration.imu;
   edge.gravity = w.Gravity();
   const ImuPrediction predicted = Predict(edge, VertexPose{last.T_w_b}, state);
-  if (Status s = w.AppendFrame(stamp_ns, predicted.pose.pose, predicted.speed_bias); !s.ok()) {
-    return s;
-  }
-  const std::size_t n = w.frames.size();
-  if (Status s = w.AddImuTerm(preintegration, &w.frames[n - 2], &w.frames[n - 1]); !s.ok()) {
-    static_cast<void>(w.problem.RemoveVertex(w.frames.back().pose));
-    static_cast<void>(w.problem.RemoveVertex(w.frames.back().speed_bias));
-    w.frames.pop_back();
-    w.preintegrations.pop_back();
-    --w.next_frame_id;
-    w.last_stamp_ns = last.stamp_ns;
-    w.newest = {last.stamp_ns, last.T_w_b, state};
-    return s;
-  }
-  w.preintegrations.back() = preintegration;
-  if (preintegration.gaps.count > 0) w.Count(WindowEvent::kImuGap);
-  return {};
+  return w.AppendFrameByImu(stamp_ns, predicted.pose.pose, predicted.speed_bias, preintegration);
 }
 
 Status SlidingWindow::ReplaceImuTerms() {

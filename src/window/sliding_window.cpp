@@ -79,7 +79,7 @@ Status SlidingWindow::AddFrame(std::int64_t stamp_ns,
       return {StatusCode::kInvalidArgument, "the frame's stamp is not after the last frame's"};
     }
     w.Remember(stamp_ns, observations);
-    if (Status s = w.TryToStart(stamp_ns); !s.ok()) return s;
+    if (Status s = TryToStart(stamp_ns); !s.ok()) return s;
     if (w.phase == WindowPhase::kInitializing) {
       w.last_stamp_ns = stamp_ns;
       w.ForgetSamples();

@@ -77,12 +77,14 @@ struct SlidingWindow::Impl {
 
   /// The first frame, with a prior on what is believed of it.
   Status Start(const WindowState& state, const SquareMatrix<11>& covariance);
-  /// From what stands still, if it does.
+  /// A first state at the stamp, if the body stands still.
   Status TryToStartStanding(std::int64_t stamp_ns);
+  /// The same, tied to the last frame by the IMU between them.
+  Status AppendFrameByImu(std::int64_t stamp_ns, const Pose& T_w_b,
+                          const VertexSpeedBias& speed_bias,
+                          const ImuPreintegration& preintegration);
   /// Adds a frame at a state; without a term that ties it to others.
   Status AppendFrame(std::int64_t stamp_ns, const Pose& T_w_b, const VertexSpeedBias& speed_bias);
-  /// Whether the first state could be found at this stamp; then the first frame is there.
-  Status TryToStart(std::int64_t stamp_ns);
   /// Integrates from one stamp to another into *preintegration, counting gaps and saturation.
   Status Integrate(std::int64_t begin_ns, std::int64_t end_ns, const ImuBias& bias,
                    ImuPreintegration* preintegration);

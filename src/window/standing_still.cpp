@@ -18,7 +18,7 @@ namespace {
 
 /// What standing still is judged by, and how long what was seen is remembered.
 constexpr std::int64_t kJudgedNs = 600'000'000;
-constexpr std::int64_t kRememberedNs = 2'500'000'000;
+constexpr std::int64_t kRememberedNs = 5'000'000'000;
 
 }  // namespace
 
@@ -32,9 +32,9 @@ void SlidingWindow::Impl::Remember(std::int64_t stamp_ns,
   if (old == seen.begin()) {
     seen.emplace_back();
   } else {
+    const auto too_old = static_cast<std::size_t>(old - seen.begin());
     std::rotate(seen.begin(), old, seen.end());
-    const auto kept = static_cast<std::size_t>(seen.end() - old);
-    seen.resize(std::max<std::size_t>(kept, 0) + 1);
+    seen.resize(seen.size() - too_old + 1);
   }
   seen.back().stamp_ns = stamp_ns;
   seen.back().observations.assign(observations.begin(), observations.end());

@@ -118,6 +118,9 @@ class SlidingWindow {
 
  private:
   struct Impl;
+  /// Looks for the first state in what came until this stamp; kInitializing is no failure.
+  Status TryToStart(std::int64_t stamp_ns);
+  Status TryToStartMoving();
   std::unique_ptr<Impl> impl_;
 };
 
