@@ -28,7 +28,7 @@ struct KeyframeRules {
   double min_tracked_share = 0.6;
   /// Tracks have moved by more than this since the last keyframe, in the mean, in normalized
   /// coordinates (rad, for small angles), rotation taken out where an IMU knows it.
-  double max_parallax = 0.07;
+  double max_parallax = 0.05;
   double max_interval_s = 2.0;
 };
 
