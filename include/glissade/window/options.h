@@ -82,7 +82,7 @@ struct SlidingWindowOptions {
 
 /// How much one Optimize() may do.
 struct WindowBudget {
-  int max_iterations = 3;  ///< linear solves
+  int max_iterations = 4;  ///< linear solves
   double max_time_s = std::numeric_limits<double>::infinity();
 };
 
