@@ -1,10 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// A window that stands still for long: nothing drifts, and nothing grows.
+// A window that stands still for long: nothing drifts, and nothing grows. GLISSADE_STANDING_SECONDS
+// makes it longer.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <vector>
 
 #include "common/random_states.h"
@@ -65,7 +69,8 @@ struct Standing {
 };
 
 TEST(StandingStill, BeginsByItselfAndDoesNotDrift) {
-  const double seconds = 30.0;
+  const char* asked = std::getenv("GLISSADE_STANDING_SECONDS");
+  const double seconds = asked != nullptr ? std::max(30.0, std::atof(asked)) : 30.0;
   const Standing scene(seconds);
   SlidingWindowOptions options;
   options.cameras = scene.cameras;
@@ -100,8 +105,14 @@ TEST(StandingStill, BeginsByItselfAndDoesNotDrift) {
   }
   ASSERT_TRUE(running) << window.init_verdict().message;
   EXPECT_GT(window.total_events()[WindowEvent::kStandingStill], 250);
+  if (asked != nullptr) {
+    std::printf("%.0f s: %.2f mm, %.3f deg at most from where it began\n", seconds, 1e3 * farthest,
+                turned * 180.0 / 3.14159265);
+  }
   EXPECT_LT(farthest, 0.01);
-  EXPECT_LT(turned * 180.0 / 3.14159265, 0.5);  // the tilt it began with was off by the bias
+  // The tilt it began with is off by the accelerometer's bias, and turns slowly as that walks: 0.7
+  // degrees in ten minutes.
+  EXPECT_LT(turned * 180.0 / 3.14159265, seconds > 60.0 ? 1.5 : 0.5);
   EXPECT_LE(most_frames, 10u);
   EXPECT_LE(most_landmarks, 60u);
   // As OKVIS's strategy would have it, but no keyframes of a scene that does not change.
