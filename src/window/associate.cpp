@@ -71,6 +71,7 @@ Status SlidingWindow::Associate(std::span<const FrameObservation> observations) 
   Impl& w = *impl_;
   if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
   const WindowFrame& frame = w.frames.back();
+  w.seen_by_camera.assign(w.options.cameras.size(), 0);
   for (const FrameObservation& o : observations) {
     const double uv[2] = {o.u, o.v};
     if (o.camera < 0 || Index(o.camera) >= w.options.cameras.size() ||
@@ -91,11 +92,16 @@ Status SlidingWindow::Associate(std::span<const FrameObservation> observations) 
     observation.camera = o.camera;
     observation.uv = w.options.cameras[Index(o.camera)].Normalized(o.u, o.v);
     landmark.observations.push_back(observation);
+    ++w.seen_by_camera[Index(o.camera)];
     if (!landmark.InGraph()) continue;
     if (Status s = w.AddObservationEdge(&landmark, &landmark.observations.back()); !s.ok()) {
       landmark.observations.pop_back();
       w.Count(WindowEvent::kObservationRefused);
     }
+  }
+  const auto silent = std::count(w.seen_by_camera.begin(), w.seen_by_camera.end(), 0);
+  if (Index(silent) < w.seen_by_camera.size()) {
+    w.Count(WindowEvent::kCameraWithoutFeatures, silent);
   }
   return {};
 }

@@ -36,6 +36,10 @@ std::string_view ToString(WindowEvent event) {
       return "solve failed";
     case WindowEvent::kReset:
       return "reset";
+    case WindowEvent::kFrameRefused:
+      return "frame refused";
+    case WindowEvent::kCameraWithoutFeatures:
+      return "camera without features";
   }
   return "unknown";
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "glissade/eval/alignment.h"
 #include "glissade/lie/so3.h"
 #include "glissade/window/initial_state_prior.h"
 #include "glissade/window/initialize_in_motion.h"
@@ -85,7 +86,17 @@ Status SlidingWindow::Start(const WindowState& state, const InitialSigmas& sigma
   if (impl_->phase != WindowPhase::kInitializing) {
     return {StatusCode::kInvalidArgument, "the window has a first state already"};
   }
-  return impl_->Start(state, Covariance11(sigmas));
+  return impl_->Start(state, sigmas);
+}
+
+Status SlidingWindow::Impl::Start(const WindowState& state, const InitialSigmas& sigmas) {
+  return Start(state, Covariance11(sigmas));
+}
+
+/// From the world of a first state to that of the window: by a turn about the vertical and a shift
+/// to where the window began anew, if it did.
+Pose SlidingWindow::Impl::ResumedWorld(const Pose& first) const {
+  return resume_at ? eval::AlignPose(first, *resume_at).T_r_e : Pose();
 }
 
 Status SlidingWindow::Impl::TryToStartStanding(std::int64_t stamp_ns) {
@@ -96,18 +107,22 @@ Status SlidingWindow::Impl::TryToStartStanding(std::int64_t stamp_ns) {
   }
   StaticOptions how;
   how.stillness = options.stillness;
-  how.bias_prior = options.bias_prior;
+  how.bias_prior = bias_prior;
   how.gravity = options.gravity;
   how.cameras = options.cameras;
   how.frames = SeenSince(stamp_ns - kStandingNs);
   const auto standing = InitializeStatic(interval.samples, *options.imu_noise, how, &init_verdict);
   if (!standing.ok()) return {};
-  return Start({stamp_ns, standing->pose.pose, standing->speed_bias}, Covariance11(*standing));
+  const Pose T_w_s = ResumedWorld(standing->pose.pose);
+  return Start({stamp_ns, T_w_s * standing->pose.pose, standing->speed_bias},
+               Covariance11(*standing));
 }
 
 Status SlidingWindow::TryToStart(std::int64_t stamp_ns) {
   Impl& w = *impl_;
-  if (!w.HasImu()) return w.Start({stamp_ns, Pose(), {}}, SquareMatrix<11>::Identity());
+  if (!w.HasImu()) {
+    return w.Start({stamp_ns, w.resume_at.value_or(Pose()), {}}, SquareMatrix<11>::Identity());
+  }
   if (Status s = w.TryToStartStanding(stamp_ns); !s.ok()) return s;
   if (w.phase == WindowPhase::kRunning || w.seen.size() < kFewestFrames) return {};
   if (w.seen.size() < kEnoughFrames &&
@@ -127,30 +142,35 @@ Status SlidingWindow::TryToStartMoving() {
   input.frames = input.frames.last(std::min(input.frames.size(), kMostFrames));
   input.imu = w.imu.samples();
   input.noise = *w.options.imu_noise;
-  input.bias_prior = w.options.bias_prior;
+  input.bias_prior = w.bias_prior;
   input.gravity = w.options.gravity;
   input.stillness = w.options.stillness;
   const auto moving = InitializeInMotion(input, &w.init_verdict);
   if (!moving.ok()) return {};
 
-  const InitializedFrame& first = moving->frames.front();
+  const Pose T_w_s = w.ResumedWorld(moving->frames.front().pose.pose);
+  std::vector<WindowState> found;
+  for (const InitializedFrame& frame : moving->frames) {
+    VertexSpeedBias state = frame.speed_bias;
+    state.v() = T_w_s.R() * state.v();
+    found.push_back({frame.stamp_ns, T_w_s * frame.pose.pose, state});
+  }
+  const WindowState& first = found.front();
   // Nothing but the bias is known beforehand; frames and IMU say the rest.
-  VertexSpeedBias before(first.speed_bias.v(), w.options.bias_prior.mean.ba,
-                         w.options.bias_prior.mean.bg);
+  VertexSpeedBias before(first.speed_bias.v(), w.bias_prior.mean.ba, w.bias_prior.mean.bg);
   const InitialSigmas unknown{.tilt = 10.0,
                               .speed = 100.0,
-                              .accel_bias = w.options.bias_prior.accel_sigma,
-                              .gyro_bias = w.options.bias_prior.gyro_sigma};
-  if (Status s = w.Start({first.stamp_ns, first.pose.pose, before}, Covariance11(unknown));
-      !s.ok()) {
+                              .accel_bias = w.bias_prior.accel_sigma,
+                              .gyro_bias = w.bias_prior.gyro_sigma};
+  if (Status s = w.Start({first.stamp_ns, first.T_w_b, before}, Covariance11(unknown)); !s.ok()) {
     return s;
   }
   if (Status s = w.problem.Set(w.frames.front().speed_bias, first.speed_bias); !s.ok()) return s;
   const std::vector<FrameObservations> seen(input.frames.begin(), input.frames.end());
   for (std::size_t k = 0; k < seen.size(); ++k) {
     if (k > 0) {
-      const InitializedFrame& frame = moving->frames[k];
-      const VertexSpeedBias& state = moving->frames[k - 1].speed_bias;
+      const WindowState& frame = found[k];
+      const VertexSpeedBias& state = found[k - 1].speed_bias;
       ImuPreintegration preintegration;
       if (Status s = w.Integrate(seen[k - 1].stamp_ns, frame.stamp_ns, {state.ba(), state.bg()},
                                  &preintegration);
@@ -158,7 +178,7 @@ Status SlidingWindow::TryToStartMoving() {
         return s;
       }
       if (Status s =
-              w.AppendFrameByImu(frame.stamp_ns, frame.pose.pose, frame.speed_bias, preintegration);
+              w.AppendFrameByImu(frame.stamp_ns, frame.T_w_b, frame.speed_bias, preintegration);
           !s.ok()) {
         return s;
       }
@@ -168,25 +188,6 @@ Status SlidingWindow::TryToStartMoving() {
     ChooseKeyframe(KeyframeChoice::kByRules);
   }
   return {};
-}
-
-Status SlidingWindow::Reset() {
-  Impl& w = *impl_;
-  if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
-  const WindowState state = w.newest;
-  w.problem = Problem();
-  if (Status s = w.problem.SetFirstEstimates(w.options.first_estimates); !s.ok()) return s;
-  w.frames.clear();
-  w.preintegrations.clear();
-  w.num_landmarks = 0;
-  w.tracks.Clear();
-  w.summary = nullptr;
-  w.anchor_frame = -1;
-  w.Count(WindowEvent::kReset);
-  return w.Start(state, Covariance11(InitialSigmas{.tilt = 0.05,
-                                                   .speed = 0.5,
-                                                   .accel_bias = w.options.bias_prior.accel_sigma,
-                                                   .gyro_bias = w.options.bias_prior.gyro_sigma}));
 }
 
 }  // namespace glissade

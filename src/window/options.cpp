@@ -32,6 +32,7 @@ Status SlidingWindowOptions::Validate() const {
   }
   if (imu_noise) {
     if (Status s = imu_noise->Validate(); !s.ok()) return s;
+    if (Status s = imu.Validate(); !s.ok()) return s;
     if (Status s = ValidatePositive(gravity, "gravity"); !s.ok()) return s;
   }
   if (Status s = ValidatePositive(keyframes.max_parallax, "max_parallax"); !s.ok()) return s;
@@ -51,6 +52,11 @@ Status SlidingWindowOptions::Validate() const {
   }
   if (max_frame_gap_ns <= 0) {
     return {StatusCode::kNotPositive, "max_frame_gap_ns must be > 0"};
+  }
+  if (Status s = ValidatePositive(max_speed, "max_speed"); !s.ok()) return s;
+  if (Status s = ValidatePositive(max_bias_sigmas, "max_bias_sigmas"); !s.ok()) return s;
+  if (max_failed_solves < 1) {
+    return {StatusCode::kInvalidArgument, "max_failed_solves must be at least 1"};
   }
   return {};
 }

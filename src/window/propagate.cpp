@@ -3,7 +3,6 @@
 //
 // How a frame gets its first state, and what ties it to the frame before.
 #include <algorithm>
-#include <string>
 
 #include "glissade/imu/imu_factor.h"
 #include "glissade/imu/reintegration.h"
@@ -118,17 +117,7 @@ Status SlidingWindow::Impl::AppendFrameByImu(std::int64_t stamp_ns, const Pose& 
 Status SlidingWindow::Propagate(std::int64_t stamp_ns) {
   Impl& w = *impl_;
   if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
-  if (stamp_ns <= w.last_stamp_ns) {
-    return {StatusCode::kInvalidArgument, std::string("the frame's stamp ")
-                                              .append(std::to_string(stamp_ns))
-                                              .append(" is not after the last frame's, ")
-                                              .append(std::to_string(w.last_stamp_ns))};
-  }
-  if (NanosecondsBetween(w.last_stamp_ns, stamp_ns) > w.options.max_frame_gap_ns) {
-    return {StatusCode::kInvalidArgument,
-            std::string("the frame's stamp is too far after the last frame's: s ")
-                .append(std::to_string(SecondsBetween(w.last_stamp_ns, stamp_ns)))};
-  }
+  if (Status s = w.CheckFrameStamp(stamp_ns); !s.ok()) return s;
   const WindowFrame last = w.frames.back();
   if (!w.HasImu()) {
     Pose predicted = last.T_w_b;

@@ -16,6 +16,8 @@ SlidingWindow::Impl::Impl(SlidingWindowOptions o)
     : options(std::move(o)), options_status(options.Validate()) {
   if (!options.policy) options.policy = std::make_shared<OkvisPolicy>();
   if (!options_status.ok()) return;
+  imu = ImuBuffer(options.imu);
+  bias_prior = options.bias_prior;
   options_status = problem.SetFirstEstimates(options.first_estimates);
 }
 
@@ -29,6 +31,11 @@ int SlidingWindow::Impl::FrameIndex(std::int64_t id) const {
 void SlidingWindow::Impl::Count(WindowEvent event, std::int64_t times) {
   total[event] += times;
   recent[event] += times;
+}
+
+Status SlidingWindow::Impl::Refused(Status why) {
+  Count(WindowEvent::kFrameRefused);
+  return why;
 }
 
 Gauge SlidingWindow::Impl::WindowGauge() const {
@@ -60,10 +67,12 @@ Status SlidingWindow::AddImu(std::span<const ImuSample> samples) {
   }
   Status first;
   for (const ImuSample& sample : samples) {
-    if (Status s = impl_->imu.Add(sample); !s.ok()) {
-      impl_->Count(WindowEvent::kImuSampleRefused);
-      if (first.ok()) first = std::move(s);
-    }
+    bool clock_was_set = false;
+    Status s = impl_->AddSample(sample, &clock_was_set);
+    if (clock_was_set) Reinitialize();
+    if (s.ok()) continue;
+    impl_->Count(WindowEvent::kImuSampleRefused);
+    if (first.ok()) first = std::move(s);
   }
   return first;
 }
@@ -74,10 +83,12 @@ Status SlidingWindow::AddFrame(std::int64_t stamp_ns,
   Impl& w = *impl_;
   if (!w.options_status.ok()) return w.options_status;
   w.recent = {};
+  if (w.FrameClockWasSet(stamp_ns)) {
+    Reinitialize();
+    w.seen.clear();
+  }
   if (w.phase == WindowPhase::kInitializing) {
-    if (!w.seen.empty() && stamp_ns <= w.seen.back().stamp_ns) {
-      return {StatusCode::kInvalidArgument, "the frame's stamp is not after the last frame's"};
-    }
+    if (Status s = w.CheckFrameStamp(stamp_ns); !s.ok()) return w.Refused(std::move(s));
     w.Remember(stamp_ns, observations);
     if (Status s = TryToStart(stamp_ns); !s.ok()) return s;
     if (w.phase == WindowPhase::kInitializing) {
@@ -86,7 +97,7 @@ Status SlidingWindow::AddFrame(std::int64_t stamp_ns,
       return {};
     }
   } else {
-    if (Status s = Propagate(stamp_ns); !s.ok()) return s;
+    if (Status s = Propagate(stamp_ns); !s.ok()) return w.Refused(std::move(s));
     w.Remember(stamp_ns, observations);
   }
   if (Status s = Associate(observations); !s.ok()) return s;
@@ -99,7 +110,14 @@ Status SlidingWindow::AddFrame(std::int64_t stamp_ns,
 Status SlidingWindow::Optimize(const WindowBudget& budget) {
   if (!impl_->options_status.ok()) return impl_->options_status;
   if (impl_->phase == WindowPhase::kInitializing) return {};
-  if (Status s = Solve(budget); !s.ok()) return s;
+  if (Status s = Solve(budget); !s.ok()) {
+    if (impl_->failed_solves >= impl_->options.max_failed_solves) Reinitialize();
+    return s;
+  }
+  if (!impl_->IsPlausible()) {
+    Reinitialize();
+    return {};
+  }
   if (Status s = RejectOutliers(); !s.ok()) return s;
   if (Status s = ReplaceImuTerms(); !s.ok()) return s;
   return Slide();
@@ -118,8 +136,12 @@ Status SlidingWindow::Solve(const WindowBudget& budget) {
   if (!w.summary->ok()) {
     w.Count(WindowEvent::kSolveFailed);
     // What could not be solved has no edge to be solved: the first frame of a window without IMU.
-    if (w.summary->status.code() != StatusCode::kNothingToSolve) return w.summary->status;
+    if (w.summary->status.code() != StatusCode::kNothingToSolve) {
+      ++w.failed_solves;
+      return w.summary->status;
+    }
   }
+  w.failed_solves = 0;
   w.ReadStates();
   return {};
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "glissade/imu/preintegration.h"
 #include "glissade/problem/problem.h"
 #include "glissade/window/sliding_window.h"
+#include "window/clock_watch.h"
 #include "window/track_table.h"
 
 namespace glissade {
@@ -48,17 +50,27 @@ struct SlidingWindow::Impl {
   std::size_t num_landmarks = 0;
   internal::TrackTable tracks;
 
+  /// Options' own, or what was known when the window began anew.
+  ImuBiasPrior bias_prior;
+  /// Where it was then; the next first state is put there.
+  std::optional<Pose> resume_at;
+  internal::ClockWatch imu_clock{10}, frame_clock{3};
+  int failed_solves = 0;  ///< in a row
+
   WindowState newest;
   const SolveSummary* summary = nullptr;  ///< problem's own
   WindowEventCounts total, recent;
 
   // Storage of the steps.
+  std::vector<int> seen_by_camera;  ///< features in the newest frame
   ImuInterval interval;
   /// What the images of the last frames showed, for those who ask whether they moved.
   std::vector<SeenFrame> seen;
   std::vector<FrameObservations> seen_views;
+  std::vector<FrameObservation> anchor_seen, newest_seen;
   InitVerdict init_verdict;
   std::int64_t anchor_frame = -1;  ///< where the body has stood still since; -1: it does not
+  double standing_angle = 0.0;     ///< sigma of a standing body's tremble (rad)
   WindowPlan plan;
   std::vector<TriangulationView> views;
   std::vector<AnyVertex> leaving;
@@ -73,10 +85,14 @@ struct SlidingWindow::Impl {
   /// -1 where the frame has left.
   [[nodiscard]] int FrameIndex(std::int64_t id) const;
   void Count(WindowEvent event, std::int64_t times = 1);
+  /// Counts a frame that is refused.
+  Status Refused(Status why);
   [[nodiscard]] Gauge WindowGauge() const;
 
+  [[nodiscard]] Pose ResumedWorld(const Pose& first) const;
   /// The first frame, with a prior on what is believed of it.
   Status Start(const WindowState& state, const SquareMatrix<11>& covariance);
+  Status Start(const WindowState& state, const InitialSigmas& sigmas);
   /// A first state at the stamp, if the body stands still.
   Status TryToStartStanding(std::int64_t stamp_ns);
   /// The same, tied to the last frame by the IMU between them.
@@ -105,12 +121,23 @@ struct SlidingWindow::Impl {
                             static_cast<std::size_t>(camera)];
   }
   void ReadStates();
+  /// Whether the newest state is one that somebody can believe.
+  [[nodiscard]] bool IsPlausible() const;
+  /// Forgets frames, landmarks and the prior; samples and what was seen stay.
+  Status ClearGraph();
+  Status AddSample(const ImuSample& sample, bool* clock_was_set);
+  /// Refuses a stamp that is not later than the last frame's or too far after it.
+  [[nodiscard]] Status CheckFrameStamp(std::int64_t stamp_ns) const;
+  /// Asked once of each frame's stamp.
+  bool FrameClockWasSet(std::int64_t stamp_ns);
 
   void Remember(std::int64_t stamp_ns, std::span<const FrameObservation> observations);
   /// The frames remembered since a stamp.
   std::span<const FrameObservations> SeenSince(std::int64_t stamp_ns);
-  /// Whether the body stood still for a while until the stamp, by the IMU and the images.
+  /// Whether the body stood still for a while until the stamp, by the IMU and the images; then
+  /// standing_angle is how still.
   [[nodiscard]] bool StandsStill(std::int64_t stamp_ns);
+  [[nodiscard]] bool StandsWhereItBegan(std::int64_t anchor_id);
 
   // Of Slide().
   void CompletePlan();

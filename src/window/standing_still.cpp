@@ -3,6 +3,7 @@
 //
 // A body that stands still measures its velocity, zero, and that it is where it was.
 #include <algorithm>
+#include <cmath>
 
 #include "glissade/base/index.h"
 #include "glissade/edges/body_velocity.h"
@@ -19,6 +20,16 @@ namespace {
 /// What standing still is judged by, and how long what was seen is remembered.
 constexpr std::int64_t kJudgedNs = 600'000'000;
 constexpr std::int64_t kRememberedNs = 5'000'000'000;
+
+/// Sigma of the angle by which a body stands still that shows no tremble (rad): it is rigid. Not
+/// what the test of stillness allows: each frame's attitude would then scatter by what the images
+/// leave open, and a window takes scatter for motion. Motion tells the tilt from the bias of the
+/// accelerometer, and the tilt would follow the walk of that bias, by a degree in ten minutes.
+constexpr double kRigidAngle = 1e-6;
+
+double AngleToExpect(const StillnessTest& test) {
+  return std::max(2.0 * test.tremble_angle, kRigidAngle);
+}
 
 }  // namespace
 
@@ -50,11 +61,33 @@ std::span<const FrameObservations> SlidingWindow::Impl::SeenSince(std::int64_t s
 
 bool SlidingWindow::Impl::StandsStill(std::int64_t stamp_ns) {
   if (!imu.Between(stamp_ns - kJudgedNs, stamp_ns, &interval).ok()) return false;
-  if (!TestStillness(interval.samples, *options.imu_noise, options.stillness).verdict.ok()) {
-    return false;
-  }
+  const StillnessTest test = TestStillness(interval.samples, *options.imu_noise, options.stillness);
+  if (!test.verdict.ok()) return false;
+  standing_angle = std::min(AngleToExpect(test), options.stillness.tremble_angle);
   return TestImageStillness(options.cameras, SeenSince(stamp_ns - kJudgedNs), options.stillness)
       .verdict.ok();
+}
+
+/// Whether the newest images are those of the frame where standing began, so far as both see the
+/// same landmarks: what creeps is not seen in half a second.
+bool SlidingWindow::Impl::StandsWhereItBegan(std::int64_t anchor_id) {
+  anchor_seen.clear();
+  newest_seen.clear();
+  const auto pixels = [&](const WindowLandmark& landmark, const LandmarkObservation& o) {
+    const WindowCamera& c = options.cameras[Index(o.camera)];
+    return FrameObservation{landmark.track, o.camera, c.fx * o.uv[0] + c.cx, c.fy * o.uv[1] + c.cy};
+  };
+  const WindowFrame& anchor = frames[Index(FrameIndex(anchor_id))];
+  const WindowFrame& frame = frames.back();
+  for (const WindowLandmark& landmark : Landmarks()) {
+    for (const LandmarkObservation& o : landmark.observations) {
+      if (o.frame == anchor_id) anchor_seen.push_back(pixels(landmark, o));
+      if (o.frame == frame.id) newest_seen.push_back(pixels(landmark, o));
+    }
+  }
+  const FrameObservations both[2] = {{anchor.stamp_ns, anchor_seen}, {frame.stamp_ns, newest_seen}};
+  return TestImageStillness(options.cameras, both, options.stillness).verdict.reason !=
+         InitReason::kMoving;
 }
 
 Status SlidingWindow::UseStillness() {
@@ -75,14 +108,14 @@ Status SlidingWindow::UseStillness() {
     return still.status();
   }
   const int anchor = w.anchor_frame >= 0 ? w.FrameIndex(w.anchor_frame) : -1;
-  if (anchor < 0) {
+  if (anchor < 0 || !w.StandsWhereItBegan(w.anchor_frame)) {
     w.anchor_frame = frame.id;
     return {};
   }
   // A tremble of that speed at some ten hertz is one of a millimetre.
   Vector6 per_sigma;
   per_sigma.head<3>().setConstant(1.0 / (0.1 * w.options.stillness.tremble_speed));
-  per_sigma.tail<3>().setConstant(1.0 / w.options.stillness.tremble_angle);
+  per_sigma.tail<3>().setConstant(1.0 / w.standing_angle);
   const auto same_place =
       w.problem.AddEdge(EdgeRelativePose{}, {w.frames[Index(anchor)].pose, frame.pose},
                         {.sqrt_information = Matrix6(per_sigma.asDiagonal())});

@@ -133,18 +133,24 @@ Fit FitConstant(const Eigen::VectorXd& length, const Eigen::MatrixX3d& y, const 
   return fit;
 }
 
-/// The likeliest tremble up to `most`, on a grid of factors of 2, and the fit with it.
+/// Of the log likelihood: what a tremble must explain better than none does (chi2 with one degree
+/// of freedom, 95 %), before there is one.
+constexpr double kSignificant = 0.5 * 3.84;
+
+/// The likeliest tremble up to `most`, on a grid of factors of 2, and the fit with it; none where
+/// the readings do not ask for one.
 double LikeliestTremble(const Blocks& blocks, const Eigen::MatrixX3d& y, const Eigen::MatrixXd& C,
                         double most, Fit* best) {
-  double tremble = most;
-  *best = FitConstant(blocks.length, y, C, most);
-  for (int k = 1; k <= 8; ++k) {
-    const double t = k == 8 ? 0.0 : std::ldexp(most, -k);
+  double tremble = 0.0;
+  *best = FitConstant(blocks.length, y, C, 0.0);
+  double likeliest = best->log_likelihood + kSignificant;
+  for (int k = 0; k < 8; ++k) {
+    const double t = std::ldexp(most, -k);
     const Fit fit = FitConstant(blocks.length, y, C, t);
-    if (fit.log_likelihood > best->log_likelihood) {
-      *best = fit;
-      tremble = t;
-    }
+    if (!(fit.log_likelihood > likeliest)) continue;
+    likeliest = fit.log_likelihood;
+    *best = fit;
+    tremble = t;
   }
   return tremble;
 }

@@ -110,9 +110,8 @@ TEST(StandingStill, BeginsByItselfAndDoesNotDrift) {
                 turned * 180.0 / 3.14159265);
   }
   EXPECT_LT(farthest, 0.01);
-  // The tilt it began with is off by the accelerometer's bias, and turns slowly as that walks: 0.7
-  // degrees in ten minutes.
-  EXPECT_LT(turned * 180.0 / 3.14159265, seconds > 60.0 ? 1.5 : 0.5);
+  // Whatever the bias of the accelerometer does meanwhile.
+  EXPECT_LT(turned * 180.0 / 3.14159265, 0.1);
   EXPECT_LE(most_frames, 10u);
   EXPECT_LE(most_landmarks, 60u);
   // As OKVIS's strategy would have it, but no keyframes of a scene that does not change.

@@ -25,9 +25,11 @@ enum class WindowEvent : std::uint8_t {
   kImuTermReplaced,        ///< integrated again, since its biases had moved
   kStandingStill,          ///< no motion between two frames, by the IMU and the images
   kSolveFailed,
-  kReset,  ///< began anew, keeping what can be trusted
+  kReset,                  ///< began anew, keeping what can be trusted
+  kFrameRefused,           ///< a stamp that makes no sense, or IMU samples that are not there yet
+  kCameraWithoutFeatures,  ///< one camera saw nothing where another did
 };
-inline constexpr std::size_t kNumWindowEvents = 15;
+inline constexpr std::size_t kNumWindowEvents = 17;
 
 /// "observation rejected"
 std::string_view ToString(WindowEvent event);

@@ -10,6 +10,7 @@
 
 #include "glissade/base/status.h"
 #include "glissade/graph/first_estimates.h"
+#include "glissade/imu/buffer.h"
 #include "glissade/imu/noise.h"
 #include "glissade/losses/loss.h"
 #include "glissade/window/init_verdict.h"
@@ -48,6 +49,8 @@ struct SlidingWindowOptions {
   std::vector<WindowCamera> cameras;
   /// Absent: no IMU, and states without speed and biases. Needs two cameras then.
   std::optional<ImuNoise> imu_noise;
+  /// Ranges of the sensors: readings at their ends are trusted less.
+  ImuBufferOptions imu;
   /// m/s^2. The world's z axis points up, whatever the recording's own world does.
   double gravity = 9.81;
 
@@ -73,8 +76,16 @@ struct SlidingWindowOptions {
   /// Whether standing still is made use of once the window runs.
   bool use_stillness = true;
 
-  /// A frame whose stamp is further than this behind the last one is refused: a clock that jumped.
+  /// A frame or an IMU sample whose stamp is further than this from the last one is refused: a
+  /// stamp that is wrong. Where the clock stays there (3 frames, 10 samples in a row) it was set,
+  /// and the window begins anew by its time.
   std::int64_t max_frame_gap_ns = 10'000'000'000;
+  /// A state that is faster (m/s), or has a bias further from its prior than so many sigmas of it,
+  /// is no state: the window begins anew.
+  double max_speed = 100.0;
+  double max_bias_sigmas = 10.0;
+  /// So many solves that fail in a row make the window begin anew.
+  int max_failed_solves = 3;
 
   SlidingWindowOptions();
   [[nodiscard]] Status Validate() const;

@@ -62,14 +62,16 @@ class SlidingWindow {
   /// Takes all samples that make sense; the status is that of the first that does not.
   Status AddImu(std::span<const ImuSample> samples);
   /// A frame later than the last one. Single observations that make no sense are left out and
-  /// counted. Refused: a stamp that is not later or too far ahead (kInvalidArgument), one that the
+  /// counted. Refused: a stamp that is not later or too far away (kInvalidArgument), one that the
   /// IMU does not reach yet (kInvalidArgument: add samples and call again).
   Status AddFrame(std::int64_t stamp_ns, std::span<const FrameObservation> observations,
                   KeyframeChoice keyframe = KeyframeChoice::kByRules);
   /// Instead of finding the first state in what is measured: begins at this one, for whoever knows
   /// it. The next frame is a later one. Refused once the window runs.
   Status Start(const WindowState& state, const InitialSigmas& sigmas);
-  /// Nothing to do, and ok, before the first state is there.
+  /// Nothing to do, and ok, before the first state is there. Where the state has become one that
+  /// nobody can believe, or solves fail again and again, the window begins anew (Reinitialize) and
+  /// counts kReset.
   Status Optimize(const WindowBudget& budget = {});
 
   /// Why there is no first state yet: what was tested last, and by which number.
@@ -115,6 +117,10 @@ class SlidingWindow {
   /// Begins anew at the newest state: keeps pose, tilt, speed and biases as they are believed, with
   /// widened uncertainty, and forgets landmarks and the prior.
   Status Reset();
+  /// Gives up the state and looks for a first one again, as at the beginning, but at the place and
+  /// heading of the last state, and with the biases of it as their prior, where those are
+  /// believable: three times as uncertain as they were. Nothing to do before the first state.
+  void Reinitialize();
 
  private:
   struct Impl;
