@@ -52,29 +52,40 @@ void SlidingWindow::Impl::CompletePlan() {
   std::erase_if(plan.marginalize_landmarks, [&](int l) { return !landmarks[Index(l)].InGraph(); });
 }
 
-/// Observations in frames that leave, of landmarks that stay.
-Status SlidingWindow::Impl::DropObservationsOf(const std::vector<bool>& leaves) {
+/// Observations that a prior is not to know: of landmarks that stay, those in frames that leave; of
+/// landmarks that leave, those in frames that are dropped.
+Status SlidingWindow::Impl::DropObservations() {
   for (std::size_t l = 0; l < num_landmarks; ++l) {
-    if (Holds(plan.marginalize_landmarks, static_cast<int>(l))) continue;
+    const bool leaves = Holds(plan.marginalize_landmarks, static_cast<int>(l));
     WindowLandmark& landmark = landmarks[l];
     std::size_t kept = 0;
+    int in_graph = 0;
     for (std::size_t i = 0; i < landmark.observations.size(); ++i) {
       const LandmarkObservation& o = landmark.observations[i];
-      if (!leaves[Index(FrameIndex(o.frame))]) {
+      const FrameFate fate = fates[Index(FrameIndex(o.frame))];
+      if (fate == FrameFate::kStays || (fate == FrameFate::kMarginalized && leaves)) {
+        in_graph += o.edge.slot != kNullSlot ? 1 : 0;
         landmark.observations[kept++] = o;
       } else if (o.edge.slot != kNullSlot) {
         if (Status s = problem.RemoveEdge(o.edge); !s.ok()) return s;
+        --frames[Index(FrameIndex(o.frame))].num_observations;
       }
     }
     landmark.observations.resize(kept);
+    if (!leaves || in_graph >= options.min_observations) continue;
+    // Nothing is left that a prior could say of others.
+    std::erase(plan.marginalize_landmarks, static_cast<int>(l));
+    if (Status s = RemoveFromGraph(&landmark); !s.ok()) return s;
+    Count(WindowEvent::kLandmarkStarved);
   }
   return {};
 }
 
-/// One IMU term in place of those on both sides of a frame that goes.
-Status SlidingWindow::Impl::JoinImuTerms(int k) {
-  WindowFrame& before = frames[Index(k - 1)];
-  WindowFrame& after = frames[Index(k + 1)];
+/// One IMU term in place of those before, between and after frames that go, from the first to the
+/// last of neighbours.
+Status SlidingWindow::Impl::JoinImuTerms(int first, int last) {
+  WindowFrame& before = frames[Index(first - 1)];
+  WindowFrame& after = frames[Index(last + 1)];
   const VertexSpeedBias& state = problem.Get(before.speed_bias);
   ImuPreintegration joined;
   if (Status s = Integrate(before.stamp_ns, after.stamp_ns, {state.ba(), state.bg()}, &joined);
@@ -83,7 +94,7 @@ Status SlidingWindow::Impl::JoinImuTerms(int k) {
   }
   const EdgeHandle<EdgeImu> old = after.imu;
   if (Status s = AddImuTerm(joined, &before, &after); !s.ok()) return s;
-  preintegrations[Index(k + 1)] = joined;
+  preintegrations[Index(last + 1)] = joined;
   if (old.slot != kNullSlot) return problem.RemoveEdge(old);
   return {};
 }
@@ -96,16 +107,25 @@ Status SlidingWindow::Slide() {
   w.CompletePlan();
   const WindowPlan& plan = w.plan;
 
-  std::vector<bool> leaves(w.frames.size(), false);
+  w.fates.assign(w.frames.size(), FrameFate::kStays);
   for (const int k : plan.marginalize_frames)
-    leaves[Index(k)] = true;
+    w.fates[Index(k)] = FrameFate::kMarginalized;
   for (const int k : plan.drop_frames)
-    leaves[Index(k)] = true;
-  if (Status s = w.DropObservationsOf(leaves); !s.ok()) return s;
+    w.fates[Index(k)] = FrameFate::kDropped;
+  if (Status s = w.DropObservations(); !s.ok()) return s;
 
+  for (std::size_t i = 0; w.HasImu() && i < plan.drop_frames.size(); ++i) {
+    const int first = plan.drop_frames[i];
+    while (i + 1 < plan.drop_frames.size() && plan.drop_frames[i + 1] == plan.drop_frames[i] + 1)
+      ++i;
+    if (Status s = w.JoinImuTerms(first, plan.drop_frames[i]); !s.ok()) return s;
+  }
+  // With them goes all that ties them to others, before a prior comes to know them by it.
   for (const int k : plan.drop_frames) {
-    if (!w.HasImu()) continue;
-    if (Status s = w.JoinImuTerms(k); !s.ok()) return s;
+    if (w.HasImu()) {
+      if (Status s = w.problem.RemoveVertex(w.frames[Index(k)].speed_bias); !s.ok()) return s;
+    }
+    if (Status s = w.problem.RemoveVertex(w.frames[Index(k)].pose); !s.ok()) return s;
   }
   w.leaving.clear();
   for (const int k : plan.marginalize_frames) {
@@ -123,8 +143,12 @@ Status SlidingWindow::Slide() {
       return done.status();
     }
   }
+  // Their IMU terms have become part of the prior.
+  for (const int k : plan.marginalize_frames)
+    w.frames[Index(k) + 1].imu = {};
   for (const int k : plan.marginalize_speed_biases) {
     w.frames[Index(k)].speed_bias = {};
+    w.frames[Index(k)].imu = {};
     w.frames[Index(k) + 1].imu = {};
   }
   w.Count(WindowEvent::kLandmarkMarginalized,
@@ -137,15 +161,9 @@ Status SlidingWindow::Slide() {
     }
     w.ForgetLandmark(Index(*l));
   }
-  for (const int k : plan.drop_frames) {
-    if (w.HasImu()) {
-      if (Status s = w.problem.RemoveVertex(w.frames[Index(k)].speed_bias); !s.ok()) return s;
-    }
-    if (Status s = w.problem.RemoveVertex(w.frames[Index(k)].pose); !s.ok()) return s;
-  }
   std::size_t kept = 0;
   for (std::size_t k = 0; k < w.frames.size(); ++k) {
-    if (leaves[k]) continue;
+    if (w.fates[k] != FrameFate::kStays) continue;
     w.frames[kept] = w.frames[k];
     w.preintegrations[kept++] = w.preintegrations[k];
   }

@@ -23,6 +23,9 @@ struct SeenFrame {
   std::vector<FrameObservation> observations;
 };
 
+/// What Slide() makes of a frame.
+enum class FrameFate : std::uint8_t { kStays, kMarginalized, kDropped };
+
 struct CameraInWorld {
   Pose T_w_c;
   Matrix3 R_c_w;
@@ -73,6 +76,7 @@ struct SlidingWindow::Impl {
   double standing_angle = 0.0;     ///< sigma of a standing body's tremble (rad)
   WindowPlan plan;
   std::vector<TriangulationView> views;
+  std::vector<FrameFate> fates;
   std::vector<AnyVertex> leaving;
   std::vector<CameraInWorld> cameras_in_world;  // [frame * cameras + camera]
   Covariance covariance;
@@ -141,8 +145,8 @@ struct SlidingWindow::Impl {
 
   // Of Slide().
   void CompletePlan();
-  Status DropObservationsOf(const std::vector<bool>& leaves);
-  Status JoinImuTerms(int frame);
+  Status DropObservations();
+  Status JoinImuTerms(int first, int last);
 };
 
 }  // namespace glissade

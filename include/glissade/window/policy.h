@@ -15,13 +15,13 @@ struct WindowPlan {
   std::vector<int> marginalize_frames;
   /// Frames of which only speed and biases go into the prior.
   std::vector<int> marginalize_speed_biases;
-  /// Frames that go without a trace: their observations are lost, the IMU terms on both sides
-  /// become one. A frame that a prior knows, or the newest, cannot go like this; it is marginalized
-  /// without its observations.
+  /// Frames that go without a trace: their observations are lost, the IMU terms before, between and
+  /// after neighbours become one. A frame that a prior knows, or the newest, cannot go like this;
+  /// it is marginalized without its observations.
   std::vector<int> drop_frames;
-  /// Landmarks that go into the prior with all their observations. Of landmarks that stay,
-  /// observations in frames that go are lost: kept, they would tie the landmark to the prior for
-  /// ever.
+  /// Landmarks that go into the prior with all their observations but those in dropped frames. Of
+  /// landmarks that stay, observations in frames that go are lost: kept, they would tie the
+  /// landmark to the prior for ever.
   std::vector<int> marginalize_landmarks;
 
   void Clear() {
