@@ -104,7 +104,7 @@ Status RecordingOptions::Validate() const {
 Result<Viotracks> MakeRecording(const RecordingOptions& options) {
   if (Status s = options.Validate(); !s.ok()) return s;
   ViWorldOptions world_options = options.world;
-  const double duration = world_options.length_m / world_options.speed_mps;
+  const double duration = world_options.laps * world_options.length_m / world_options.speed_mps;
   world_options.num_keyframes =
       1 + static_cast<int>(std::lround(std::min(duration * options.frame_rate_hz, 1e6)));
   const auto made = MakeViWorld(world_options);

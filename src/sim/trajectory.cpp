@@ -57,14 +57,14 @@ std::string_view ToString(TrajectoryKind kind) {
   return "trajectory";
 }
 
-Trajectory::Trajectory(TrajectoryKind kind, double length, double speed) {
-  const double duration = length / speed;
+Trajectory::Trajectory(TrajectoryKind kind, double length, double speed, int laps) {
+  const double lap = length / speed, duration = laps * lap;
   constexpr double kInterval = 0.125;
   const int segments = std::max(1, static_cast<int>(std::ceil(duration / kInterval - 1e-9)));
   const double interval = duration / segments;
   std::vector<Vector3> position, angles;
   for (int k = 0; k < segments + BSpline::kDegree; ++k) {
-    const double s = (k - 2) * interval / duration;
+    const double s = (k - 2) * interval / lap;
     position.push_back(length * PositionOn(kind, s) + Vector3(0.0, 0.0, 1.5));
     angles.push_back(AnglesOn(kind, s));
   }

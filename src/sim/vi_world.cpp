@@ -72,7 +72,8 @@ Status ViWorldOptions::Validate() const {
   if (min_observations < 1) return wrong("min_observations must be at least 1");
   if (max_depth_m < min_depth_m) return wrong("max_depth_m must not be under min_depth_m");
   if (camera.width < 1 || camera.height < 1) return wrong("the image is empty");
-  const double duration = length_m / speed_mps;
+  if (laps < 1 || laps > 10000) return wrong("laps must be 1 to 10000");
+  const double duration = laps * length_m / speed_mps;
   if (!(duration < 3600.0 && imu_rate_hz <= 1e5)) return wrong("over an hour, or over 100 kHz");
   if (!(duration * imu_rate_hz >= num_keyframes - 1)) return wrong("fewer IMU samples than frames");
   if (Status s = ValidatePose(camera.T_b_c.data, "world: extrinsic"); !s.ok()) return s;
@@ -84,7 +85,8 @@ Result<ViWorld> MakeViWorld(const ViWorldOptions& options) {
   if (Status s = options.Validate(); !s.ok()) return s;
   ViWorld world;
   world.options = options;
-  world.trajectory = Trajectory(options.trajectory, options.length_m, options.speed_mps);
+  world.trajectory =
+      Trajectory(options.trajectory, options.length_m, options.speed_mps, options.laps);
   const Trajectory& path = world.trajectory;
 
   // IMU samples on a regular grid that begins at the first keyframe and covers the last.

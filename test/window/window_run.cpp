@@ -12,10 +12,11 @@
 
 namespace glissade::test {
 
-Viotracks MakeFlight(std::uint64_t seed) {
+Viotracks MakeFlight(std::uint64_t seed, int laps) {
   sim::RecordingOptions options;
   options.seed = seed;
   options.world.seed = seed;
+  options.world.laps = laps;
   auto recording = sim::MakeRecording(options);
   EXPECT_TRUE(recording.ok()) << recording.status().message();
   return std::move(recording).value();

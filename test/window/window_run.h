@@ -10,8 +10,8 @@
 
 namespace glissade::test {
 
-/// Twelve simulated seconds, stereo and IMU.
-Viotracks MakeFlight(std::uint64_t seed);
+/// Twelve simulated seconds a lap, stereo and IMU.
+Viotracks MakeFlight(std::uint64_t seed, int laps = 1);
 
 /// Cameras, noise and gravity of a recording.
 SlidingWindowOptions OptionsFor(const Viotracks& recording, std::size_t num_cameras = 2);

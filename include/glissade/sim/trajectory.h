@@ -29,7 +29,7 @@ class Trajectory {
   Trajectory() = default;
   /// About `length` metres at about `speed` m/s. Control points lie on the formula, every 0.125 s;
   /// positive arguments.
-  Trajectory(TrajectoryKind kind, double length, double speed);
+  Trajectory(TrajectoryKind kind, double length, double speed, int laps = 1);
 
   [[nodiscard]] double Duration() const { return position_.Duration(); }
   [[nodiscard]] Pose PoseAt(double t) const { return Pose(RotationAt(t), position_.Evaluate(t)); }

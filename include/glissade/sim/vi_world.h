@@ -27,6 +27,7 @@ struct ViWorldOptions {
   TrajectoryKind trajectory = TrajectoryKind::kSine;
   PointLayout points = PointLayout::kPlane;
   double length_m = 5.0;
+  int laps = 1;  ///< of that length each, one after the other
   double speed_mps = 2.0;
   int num_keyframes = 10;  ///< evenly over the flight
   int num_points = 50;
