@@ -67,11 +67,36 @@ Status SlidingWindow::Impl::AddObservationEdge(WindowLandmark* landmark,
   return {};
 }
 
+bool SlidingWindow::Impl::IsPredictionTrusted() const {
+  constexpr double kMaxSecondsAlone = 1.0;
+  if (!HasImu() || frames.size() < 2 || preintegrations.back().gaps.count > 0) return false;
+  for (std::size_t k = frames.size() - 1; k-- > 0;) {
+    if (frames[k].num_observations == 0) continue;
+    return SecondsBetween(frames[k].stamp_ns, frames.back().stamp_ns) <= kMaxSecondsAlone;
+  }
+  return false;
+}
+
+bool SlidingWindow::Impl::IsNearPrediction(const WindowLandmark& landmark,
+                                           const LandmarkObservation& o) const {
+  if (T_c_w.empty()) return true;
+  const WindowCamera& camera = options.cameras[Index(o.camera)];
+  const Vector3 x = T_c_w[Index(o.camera)] * problem.Get(landmark.point).p();
+  const double du = camera.fx / camera.sigma_px * (x[0] / x[2] - o.uv[0]);
+  const double dv = camera.fy / camera.sigma_px * (x[1] / x[2] - o.uv[1]);
+  return x[2] > 0.0 && std::hypot(du, dv) <= options.max_prediction_error;
+}
+
 Status SlidingWindow::Associate(std::span<const FrameObservation> observations) {
   Impl& w = *impl_;
   if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
   const WindowFrame& frame = w.frames.back();
   w.seen_by_camera.assign(w.options.cameras.size(), 0);
+  w.T_c_w.clear();
+  if (w.IsPredictionTrusted()) {
+    for (const WindowCamera& camera : w.options.cameras)
+      w.T_c_w.push_back((frame.T_w_b * camera.T_b_c).Inverse());
+  }
   for (const FrameObservation& o : observations) {
     const double uv[2] = {o.u, o.v};
     if (o.camera < 0 || Index(o.camera) >= w.options.cameras.size() ||
@@ -91,8 +116,12 @@ Status SlidingWindow::Associate(std::span<const FrameObservation> observations) 
     observation.frame = frame.id;
     observation.camera = o.camera;
     observation.uv = w.options.cameras[Index(o.camera)].Normalized(o.u, o.v);
-    landmark.observations.push_back(observation);
     ++w.seen_by_camera[Index(o.camera)];
+    if (landmark.InGraph() && !w.IsNearPrediction(landmark, observation)) {
+      w.Count(WindowEvent::kObservationRejected);
+      continue;
+    }
+    landmark.observations.push_back(observation);
     if (!landmark.InGraph()) continue;
     if (Status s = w.AddObservationEdge(&landmark, &landmark.observations.back()); !s.ok()) {
       landmark.observations.pop_back();

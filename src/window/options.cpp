@@ -42,6 +42,7 @@ Status SlidingWindowOptions::Validate() const {
   }
   if (Status s = loss.Validate(); !s.ok()) return s;
   if (Status s = ValidatePositive(max_chi2, "max_chi2"); !s.ok()) return s;
+  if (Status s = ValidatePositive(max_prediction_error, "max_prediction_error"); !s.ok()) return s;
   if (min_observations < 2) {
     return {StatusCode::kInvalidArgument, "min_observations must be at least 2"};
   }

@@ -65,6 +65,7 @@ struct SlidingWindow::Impl {
   WindowEventCounts total, recent;
 
   // Storage of the steps.
+  std::vector<Pose> T_c_w;          ///< of the newest frame as predicted; empty: not trusted
   std::vector<int> seen_by_camera;  ///< features in the newest frame
   ImuInterval interval;
   /// What the images of the last frames showed, for those who ask whether they moved.
@@ -125,6 +126,11 @@ struct SlidingWindow::Impl {
                             static_cast<std::size_t>(camera)];
   }
   void ReadStates();
+  /// Whether the newest frame was predicted well enough to judge observations by it.
+  [[nodiscard]] bool IsPredictionTrusted() const;
+  /// Whether an observation is where the landmark is predicted to be in the newest frame, roughly.
+  [[nodiscard]] bool IsNearPrediction(const WindowLandmark& landmark,
+                                      const LandmarkObservation& observation) const;
   /// Whether the newest state is one that somebody can believe.
   [[nodiscard]] bool IsPlausible() const;
   /// Forgets frames, landmarks and the prior; samples and what was seen stay.
