@@ -66,7 +66,7 @@ struct SlidingWindowOptions {
   /// Length of r in sigmas beyond which an observation of a known landmark is left out before a
   /// solve, where the IMU has predicted the frame: without a gap, and not alone for more than a
   /// second. Far beyond what a prediction is off by, for what is no view of the landmark at all.
-  double max_prediction_error = 30.0;
+  double max_prediction_error = 60.0;
   TriangulationOptions triangulation;
   /// A solve has converged where the cost falls by less than this part of itself.
   double cost_tolerance = 1e-4;
