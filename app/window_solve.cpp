@@ -17,6 +17,7 @@
 #include "common/program.h"
 #include "common/solver_options.h"
 #include "common/version.h"
+#include "glissade/eval/statistics.h"
 #include "glissade/io/viowin.h"
 #include "glissade/linear/instruction_set.h"
 #include "glissade/problem/problem.h"
@@ -24,6 +25,7 @@
 namespace {
 
 using namespace glissade;
+using eval::Quantile;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kName = "window_solve";
@@ -87,16 +89,6 @@ void AddOptions(app::Program& program, Options& o) {
   program.AddOutputFile("--output", &o.output,
                         "Write the solved windows to FILE, .gz and .bz2 compressed");
   program.AddOutput("--json", &o.json, "Write the figures to FILE");
-}
-
-/// p-th part of the sorted values, interpolated.
-double Quantile(std::vector<double> values, double p) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const double at = p * static_cast<double>(values.size() - 1);
-  const auto low = static_cast<std::size_t>(at);
-  const std::size_t high = std::min(low + 1, values.size() - 1);
-  return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
 }
 
 double Median(const std::vector<double>& values) {

@@ -12,20 +12,13 @@
 #include <vector>
 
 #include "common/output_file.h"
+#include "glissade/eval/statistics.h"
 
 namespace glissade::app {
 
-namespace {
+using eval::Quantile;
 
-/// p-th part of the values, interpolated; 0 of none.
-double Quantile(std::vector<double> values, double p) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const double at = p * static_cast<double>(values.size() - 1);
-  const auto low = static_cast<std::size_t>(at);
-  const std::size_t high = std::min(low + 1, values.size() - 1);
-  return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
-}
+namespace {
 
 struct Stage {
   const char* name;

@@ -38,15 +38,6 @@ double Mean(const std::vector<double>& x) {
   return x.empty() ? 0.0 : sum / static_cast<double>(x.size());
 }
 
-double Quantile(std::vector<double> x, double q) {
-  if (x.empty()) return 0.0;
-  std::sort(x.begin(), x.end());
-  const double at = q * static_cast<double>(x.size() - 1);
-  const auto low = static_cast<std::size_t>(at);
-  const std::size_t high = std::min(low + 1, x.size() - 1);
-  return x[low] + (at - static_cast<double>(low)) * (x[high] - x[low]);
-}
-
 void GaugeSamples::Resize(std::size_t n) {
   for (auto* values : {&position_m, &rotation_deg, &velocity_mps, &iterations, &time_ms, &cost})
     values->resize(n);

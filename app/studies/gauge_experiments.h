@@ -86,7 +86,5 @@ Result<std::vector<GaugePath>> RunPaths(const ProblemSource& source,
 ProblemSource Simulated(sim::ViWorld world, std::uint64_t seed);
 
 double Mean(const std::vector<double>& x);
-/// q in [0, 1], interpolated; 0.5 is the median.
-double Quantile(std::vector<double> x, double q);
 
 }  // namespace glissade::app

@@ -10,11 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "common/output_file.h"
+#include "glissade/eval/statistics.h"
 
 namespace glissade::app {
 
 namespace {
 
+using eval::Quantile;
 using Json = nlohmann::ordered_json;
 
 Json SamplesToJson(const GaugeSamples& s) {

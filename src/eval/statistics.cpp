@@ -21,14 +21,17 @@ Statistics StatisticsOf(std::span<const double> errors) {
   const auto n = static_cast<double>(errors.size());
   s.mean = sum / n;
   s.rmse = std::sqrt(squares / n);
-  std::vector<double> sorted(errors.begin(), errors.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  s.median = *middle;
-  if (sorted.size() % 2 == 0) {
-    s.median = 0.5 * (s.median + *std::max_element(sorted.begin(), middle));
-  }
+  s.median = Quantile({errors.begin(), errors.end()}, 0.5);
   return s;
+}
+
+double Quantile(std::vector<double> values, double p) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const double at = p * static_cast<double>(values.size() - 1);
+  const auto low = static_cast<std::size_t>(at);
+  const std::size_t high = std::min(low + 1, values.size() - 1);
+  return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
 }
 
 }  // namespace glissade::eval

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace glissade::eval {
 
@@ -17,5 +18,9 @@ struct Statistics {
 };
 
 [[nodiscard]] Statistics StatisticsOf(std::span<const double> errors);
+
+/// The p-th part of the sorted values, 0 <= p <= 1, interpolated between neighbours; 0 where there
+/// are none.
+[[nodiscard]] double Quantile(std::vector<double> values, double p);
 
 }  // namespace glissade::eval

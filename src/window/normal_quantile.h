@@ -13,11 +13,4 @@ inline double NormalQuantile(double tail) {
                  (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
 }
 
-/// x with P(chi2(dof) > x) = tail: Wilson and Hilferty (1931), within 1 % of x from 3 degrees on.
-inline double Chi2Quantile(int dof, double tail) {
-  const double k = 2.0 / (9.0 * dof);
-  const double cube_root = 1.0 - k + NormalQuantile(tail) * std::sqrt(k);
-  return dof * cube_root * cube_root * cube_root;
-}
-
 }  // namespace glissade::internal
