@@ -125,6 +125,45 @@ double SigmasAbove(double jitter, double limit, std::int64_t n) {
   return sigma > 0.0 ? (jitter - limit) / sigma : 0.0;
 }
 
+/// What to say of gaps and jitter of a stream.
+struct IntervalWords {
+  const char* where;
+  const char* what;  ///< is missing in a gap
+  DoctorKind gap;
+  DoctorSeverity gap_severity;
+  const char* gap_advice;
+  DoctorKind jitter;
+  DoctorSeverity jitter_severity;
+  const char* jitter_advice;
+};
+
+void ReportIntervals(const Intervals& r, const IntervalWords& words, DoctorCase* c) {
+  if (r.gaps > 0) {
+    DoctorFinding& f = c->Add(
+        words.gap, words.gap_severity, words.where,
+        Text("%lld gaps, the longest %.4g s; about %.0f %s are missing",
+             static_cast<long long>(r.gaps), r.longest, std::min(r.missing, 1e15), words.what),
+        words.gap_advice);
+    f.stamp_ns = c->Stamp(r.longest_from);
+    f.count = r.gaps;
+    f.estimate = r.longest;
+    f.unit = "s";
+  }
+  // A tenth of an interval moves a reading of 1 rad/s^2 at 200 Hz by 5e-4 rad/s.
+  const double limit = 0.1 * r.median;
+  const double z = SigmasAbove(r.jitter, limit, r.regular);
+  if (!(r.jitter > limit && z > 3.0)) return;
+  DoctorFinding& f = c->Add(
+      words.jitter, words.jitter_severity, words.where,
+      Text("intervals scatter by %.3g ms (rms) about %.4g ms", 1e3 * r.jitter, 1e3 * r.median),
+      words.jitter_advice);
+  f.sigmas = z;
+  f.count = r.regular;
+  f.estimate = r.jitter;
+  f.sigma = r.jitter / std::sqrt(2.0 * static_cast<double>(r.regular));
+  f.unit = "s";
+}
+
 }  // namespace
 
 void CheckImuStamps(DoctorCase* c) {
@@ -161,33 +200,17 @@ void CheckImuStamps(DoctorCase* c) {
   facts.imu_longest_s = r.longest;
   facts.duration_s = times.back() - times.front();
 
-  if (r.gaps > 0) {
-    const bool long_one = r.longest > c->imu_max_gap;
-    DoctorFinding& f = c->Add(
-        DoctorKind::kImuGap, long_one ? DoctorSeverity::kError : DoctorSeverity::kWarning, "imu",
-        Text("%lld gaps, the longest %.4g s; about %.0f samples are missing",
-             static_cast<long long>(r.gaps), r.longest, std::min(r.missing, 1e15)),
-        long_one
-            ? "record again, or keep ImuNoise::gaps = kInflate: what happened in them is unknown"
-            : "a driver or bus that loses samples: look at its queue sizes");
-    f.stamp_ns = c->Stamp(r.longest_from);
-    f.count = r.gaps;
-    f.estimate = r.longest;
-    f.unit = "s";
-  }
-  // A tenth of an interval moves a reading of 1 rad/s^2 at 200 Hz by 5e-4 rad/s.
-  const double limit = 0.1 * r.median;
-  if (const double z = SigmasAbove(r.jitter, limit, r.regular); r.jitter > limit && z > 3.0) {
-    DoctorFinding& f = c->Add(
-        DoctorKind::kImuJitter, DoctorSeverity::kWarning, "imu",
-        Text("intervals scatter by %.3g ms (rms) about %.4g ms", 1e3 * r.jitter, 1e3 * r.median),
-        "stamps are of arrival: take the sensor's own clock, or fit a line to them");
-    f.sigmas = z;
-    f.count = r.regular;
-    f.estimate = r.jitter;
-    f.sigma = r.jitter / std::sqrt(2.0 * static_cast<double>(r.regular));
-    f.unit = "s";
-  }
+  const bool long_gap = r.longest > c->imu_max_gap;
+  ReportIntervals(
+      r,
+      {"imu", "samples", DoctorKind::kImuGap,
+       long_gap ? DoctorSeverity::kError : DoctorSeverity::kWarning,
+       long_gap
+           ? "record again, or keep ImuNoise::gaps = kInflate: what happened in them is unknown"
+           : "a driver or bus that loses samples: look at its queue sizes",
+       DoctorKind::kImuJitter, DoctorSeverity::kWarning,
+       "stamps are of arrival: take the sensor's own clock, or fit a line to them"},
+      c);
   if (in.imu_rate_hz > 0.0 && std::isfinite(in.imu_rate_hz)) {
     const double ratio = facts.imu_rate_hz / in.imu_rate_hz;
     if (!(std::abs(ratio - 1.0) < 0.05)) {
@@ -229,29 +252,16 @@ void CheckFrameStamps(DoctorCase* c) {
     facts.frame_rate_hz = 1.0 / r.median;
     facts.frame_jitter_s = r.jitter;
     facts.frame_longest_s = r.longest;
-    if (r.gaps > 0) {
-      const bool bad = r.longest > 0.5 && r.longest > 3.5 * r.median;
-      DoctorFinding& f = c->Add(
-          DoctorKind::kFrameGap, bad ? DoctorSeverity::kWarning : DoctorSeverity::kInfo, "frames",
-          Text("%lld gaps, the longest %.4g s; about %.0f frames are missing",
-               static_cast<long long>(r.gaps), r.longest, std::min(r.missing, 1e15)),
-          "tracks end there: without an IMU the path breaks, with one it drifts");
-      f.stamp_ns = c->Stamp(r.longest_from);
-      f.count = r.gaps;
-      f.estimate = r.longest;
-      f.unit = "s";
-    }
+    const bool long_gap = r.longest > 0.5 && r.longest > 3.5 * r.median;
     // A front end that chooses its frames is not regular, and need not be.
-    const double limit = 0.1 * r.median;
-    if (const double z = SigmasAbove(r.jitter, limit, r.regular); r.jitter > limit && z > 3.0) {
-      DoctorFinding& f = c->Add(
-          DoctorKind::kFrameJitter, DoctorSeverity::kInfo, "frames",
-          Text("intervals scatter by %.3g ms (rms) about %.4g ms", 1e3 * r.jitter, 1e3 * r.median),
-          "harmless if frames were chosen; if the camera runs freely, stamps are of arrival");
-      f.sigmas = z;
-      f.estimate = r.jitter;
-      f.unit = "s";
-    }
+    ReportIntervals(
+        r,
+        {"frames", "frames", DoctorKind::kFrameGap,
+         long_gap ? DoctorSeverity::kWarning : DoctorSeverity::kInfo,
+         "tracks end there: without an IMU the path breaks, with one it drifts",
+         DoctorKind::kFrameJitter, DoctorSeverity::kInfo,
+         "harmless if frames were chosen; if the camera runs freely, stamps are of arrival"},
+        c);
   }
   if (c->imu.empty()) return;
   std::int64_t outside = 0;
