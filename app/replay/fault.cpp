@@ -22,12 +22,13 @@ double Uniform(std::mt19937_64* random) {
 }
 
 /// Clips to half of the largest rate and of the largest deviation of the specific force from
-/// gravity, and marks what was clipped as a driver does.
+/// gravity that the fault meets, and marks what was clipped as a driver does.
 void Saturate(Viotracks* recording, const Fault& fault) {
   const std::int64_t first = recording->frames.front().stamp_ns;
   const double g = recording->gravity.norm();
   double rate = 0.0, motion = 0.0;
   for (const ImuSample& sample : recording->imu) {
+    if (!fault.Holds(sample.stamp_ns, first)) continue;
     rate = std::max(rate, sample.gyro.cwiseAbs().maxCoeff());
     motion = std::max(motion, sample.accel.cwiseAbs().maxCoeff() - g);
   }
