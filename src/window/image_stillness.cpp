@@ -7,7 +7,7 @@
 
 #include "glissade/imu/sample.h"
 #include "glissade/window/stillness.h"
-#include "window/normal_quantile.h"
+#include "window/quantiles.h"
 #include "window/verdicts.h"
 
 namespace glissade {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "window/init_two_view.h"
-#include "window/normal_quantile.h"
+#include "window/quantiles.h"
 #include "window/verdicts.h"
 
 namespace glissade::internal {

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/window/initialize_in_motion.h"
-#include "glissade/eval/chi_square.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "window/init_refinement.h"
 #include "window/init_scene.h"
 #include "window/init_structure.h"
+#include "window/quantiles.h"
 #include "window/verdicts.h"
 
 namespace glissade {
@@ -106,8 +106,8 @@ InitVerdict Judge(const MotionState& state, const MotionLimits& limits) {
 /// An IMU that does worse than its noise densities is taken for one with as much more noise.
 void Widen(double false_alarm, MotionState* state) {
   const double factor = state->imu_chi2_per_dof;
-  if (!(factor > 1.0 && factor * state->imu_dof >
-                            eval::ChiSquareQuantile(1.0 - false_alarm, state->imu_dof).value())) {
+  if (!(factor > 1.0 &&
+        factor * state->imu_dof > internal::Chi2Quantile(state->imu_dof, false_alarm))) {
     return;
   }
   state->covariance *= factor;

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/window/initialize_static.h"
-#include "glissade/eval/chi_square.h"
 
 #include <cmath>
 
 #include "glissade/base/validate.h"
 #include "glissade/lie/so3.h"
-#include "window/normal_quantile.h"
+#include "window/quantiles.h"
 #include "window/upright.h"
 #include "window/verdicts.h"
 
@@ -24,7 +23,7 @@ InitVerdict Judge(const StillnessTest& imu, const StaticOptions& options) {
   const Vector3 rate = imu.rate - prior.mean.bg;
   const double rate_chi2 =
       rate.squaredNorm() / (prior.gyro_sigma * prior.gyro_sigma + imu.rate_variance);
-  const double max_rate_chi2 = eval::ChiSquareQuantile(1.0 - tail, 3).value();
+  const double max_rate_chi2 = internal::Chi2Quantile(3, tail);
   if (!(rate_chi2 <= max_rate_chi2)) {
     return Refusal(InitReason::kMoving, rate_chi2, max_rate_chi2,
                    "chi2 of the mean rate under the prior of the bias", "");

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "glissade/base/validate.h"
-#include "glissade/eval/chi_square.h"
+#include "window/quantiles.h"
 #include "window/verdicts.h"
 
 namespace glissade {
@@ -197,7 +197,7 @@ StillnessTest TestStillness(std::span<const ImuSample> samples, const ImuNoise& 
   test.accel_chi2 =
       FitConstant(blocks.length, blocks.velocity, C_accel, options.tremble_speed).chi2;
   test.dof = 3 * (count - 1);
-  test.max_chi2 = eval::ChiSquareQuantile(1.0 - options.false_alarm, test.dof).value();
+  test.max_chi2 = internal::Chi2Quantile(test.dof, options.false_alarm);
   Fit rate, force;
   test.tremble_angle = LikeliestTremble(blocks, blocks.angle, C_gyro, options.tremble_angle, &rate);
   test.tremble_speed =
