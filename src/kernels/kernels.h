@@ -45,8 +45,6 @@ struct KernelTable {
   void (*cholesky_solve)(int n, const double* l, int lda, double* x);
   /// x <- L^-1 x.
   void (*forward_solve)(int n, const double* l, int lda, double* x);
-  /// x <- L^-T x.
-  void (*backward_solve)(int n, const double* l, int lda, double* x);
 
   /// One front of a multifrontal factorization. Eliminates the first nb of n columns: on return
   /// they hold [L11; L21], and the trailing lower triangle A22 - L21 L21'. Returns as cholesky.
@@ -56,11 +54,8 @@ struct KernelTable {
   /// x1 <- L11^-T (x1 - L21' x2).
   void (*backward_solve_partial)(int n, int nb, const double* l, int lda, double* x);
 
-  /// cholesky_solve, forward_solve, backward_solve for the nrhs columns of B (n x nrhs,
-  /// column-major, ldb >= n).
-  void (*cholesky_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
+  /// forward_solve for the nrhs columns of B (n x nrhs, column-major, ldb >= n).
   void (*forward_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
-  void (*backward_solve_many)(int n, const double* l, int lda, int nrhs, double* b, int ldb);
 
   // ---- Products ---------------------------------------------------------------------------------
 
@@ -81,12 +76,6 @@ struct KernelTable {
   void (*syrk_lower_add)(int n, int k, const double* w, int ldw, double* s, int lds);
   /// S = -W W', S not read; k > 0.
   void (*syrk_lower_set_negative)(int n, int k, const double* w, int ldw, double* s, int lds);
-  /// C -= A B'. C is m x n, A is m x k, B is n x k, all column-major. C must not overlap A or B.
-  void (*gemm_nt_sub)(int m, int n, int k, const double* a, int lda, const double* b, int ldb,
-                      double* c, int ldc);
-  /// C += A B'.
-  void (*gemm_nt_add)(int m, int n, int k, const double* a, int lda, const double* b, int ldb,
-                      double* c, int ldc);
 
   /// out = L A. L is rows x rows, row-major (leading zeros of its rows cost nothing); A and out
   /// have rows of `stride` numbers, a multiple of 8. They must not overlap.

@@ -244,7 +244,7 @@ int Cholesky(int n, double* a, int lda) {
     const int info = FactorPanel(n - j, nb, s, ld);
     if (info != 0) return j + info;
     j += nb;
-    if (j < n) RankUpdate<true, -1>(n - j, n - j, nb, s + nb, ld, s + nb, ld, a + j + j * ld, ld);
+    if (j < n) RankUpdate<kSub>(n - j, nb, s + nb, ld, a + j + j * ld, ld);
   }
   return 0;
 }

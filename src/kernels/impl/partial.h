@@ -47,8 +47,7 @@ int CholeskyPartial(int n, int nb, double* a, int lda) {
   for (int c = whole; info == 0 && c < nb; ++c)
     info = FactorColumn(n, a, ld, c);
   if (info != 0) return info;
-  if (nb < n)
-    RankUpdate<true, -1>(n - nb, n - nb, nb, a + nb, ld, a + nb, ld, a + nb + nb * ld, ld);
+  if (nb < n) RankUpdate<kSub>(n - nb, nb, a + nb, ld, a + nb + nb * ld, ld);
   return 0;
 }
 

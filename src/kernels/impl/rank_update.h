@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// C +-= A B' or C = -A B', whole or lower triangle (A == B then): the panel update of Schur
-// complements and of the blocked factorization.
+// S +-= W W' or S = -W W', lower triangle: the update of Schur complements.
 //
-// Tiles of tile.h over row blocks that stay in the first-level cache. The kNr rows of B that a
-// column of tiles needs are copied to a contiguous buffer, zero-padded, which makes column edges
-// ordinary.
+// Tiles of tile.h over row blocks that stay in the first-level cache. The kNr rows of W that a
+// column of tiles multiplies with are copied to a contiguous buffer where they are fewer,
+// zero-padded, which makes column edges ordinary.
 
 #ifndef GLISSADE_KERNELS_IMPL_RANK_UPDATE_H_
 #define GLISSADE_KERNELS_IMPL_RANK_UPDATE_H_
@@ -16,13 +15,13 @@
 namespace glissade::kernels {
 namespace {
 
-// Columns of A and B, and rows of A, taken at a time: such a block of A (37 KiB with AVX-512) stays
-// in the first-level cache while the columns of C pass by. Copying it to a contiguous buffer did
-// not pay (0 to -10 %) except where the leading dimension is a multiple of 512.
+// Columns and rows of W taken at a time: such a block (37 KiB with AVX-512) stays in the
+// first-level cache while the columns of S pass by. Copying it to a contiguous buffer did not pay
+// (0 to -10 %) except where the leading dimension is a multiple of 512.
 constexpr int kDepth = 96;
 constexpr int kRowBlock = 2 * kMr * kW;
 
-// What becomes of C: kAdd, kSub, or kSetNegative, which does not read it.
+// What becomes of S: kAdd, kSub, or kSetNegative, which does not read it.
 constexpr int kAdd = 1, kSub = -1, kSetNegative = 0;
 
 GLISSADE_INLINE vd Combine(vd c, vd t, int sign) {
@@ -122,57 +121,48 @@ inline void RankColumn(int m, int k, const double* a, Index lda, const double* b
   }
 }
 
-template <bool kLower, int kSign>
-void RankUpdate(int m, int n, int k, const double* a, Index lda, const double* b, Index ldb,
-                double* c, Index ldc) {
+/// S combined with W W', lower triangle.
+template <int kSign>
+void RankUpdate(int n, int k, const double* w, Index ldw, double* s, Index lds) {
   double padded[kDepth * kNr];
   for (int k0 = 0; k0 < k; k0 += kDepth) {
     const int kc = Min(kDepth, k - k0);
-    for (int i0 = 0; i0 < m; i0 += kRowBlock) {
-      const int i1 = Min(m, i0 + kRowBlock);
-      for (int j = 0; j < (kLower ? i1 : n); j += kNr) {
+    const double* wk = w + k0 * ldw;
+    for (int i0 = 0; i0 < n; i0 += kRowBlock) {
+      const int i1 = Min(n, i0 + kRowBlock);
+      for (int j = 0; j < i1; j += kNr) {
         const int columns = Min(kNr, n - j);
-        const double* ak = a + k0 * lda;
-        const double* bj = b + j + k0 * ldb;
-        Index ldbj = ldb;
+        const double* b = wk + j;
+        Index ldb = ldw;
         if (columns < kNr) {
           for (int i = 0; i < kc; ++i) {
             for (int q = 0; q < kNr; ++q)
-              padded[i * kNr + q] = q < columns ? bj[q + i * ldb] : 0.0;
+              padded[i * kNr + q] = q < columns ? b[q + i * ldw] : 0.0;
           }
-          bj = padded;
-          ldbj = kNr;
+          b = padded;
+          ldb = kNr;
         }
         int i = i0;
-        if (kLower && j >= i0) {
-          DiagonalTile<kSign>(kc, ak + j, lda, bj, ldbj, c + j + j * ldc, ldc, columns);
+        if (j >= i0) {
+          DiagonalTile<kSign>(kc, wk + j, ldw, b, ldb, s + j + j * lds, lds, columns);
           i = j + columns;
         }
-        RankColumn<kSign>(i1 - i, kc, ak + i, lda, bj, ldbj, c + i + j * ldc, ldc, columns);
+        RankColumn<kSign>(i1 - i, kc, wk + i, ldw, b, ldb, s + i + j * lds, lds, columns);
       }
     }
   }
 }
 
 void SyrkLowerSub(int n, int k, const double* w, int ldw, double* s, int lds) {
-  RankUpdate<true, kSub>(n, n, k, w, ldw, w, ldw, s, lds);
+  RankUpdate<kSub>(n, k, w, ldw, s, lds);
 }
 void SyrkLowerAdd(int n, int k, const double* w, int ldw, double* s, int lds) {
-  RankUpdate<true, kAdd>(n, n, k, w, ldw, w, ldw, s, lds);
+  RankUpdate<kAdd>(n, k, w, ldw, s, lds);
 }
 void SyrkLowerSetNegative(int n, int k, const double* w, int ldw, double* s, int lds) {
   const int first = Min(k, kDepth);
-  RankUpdate<true, kSetNegative>(n, n, first, w, ldw, w, ldw, s, lds);
-  RankUpdate<true, kSub>(n, n, k - first, w + static_cast<Index>(first) * ldw, ldw,
-                         w + static_cast<Index>(first) * ldw, ldw, s, lds);
-}
-void GemmNtSub(int m, int n, int k, const double* a, int lda, const double* b, int ldb, double* c,
-               int ldc) {
-  RankUpdate<false, kSub>(m, n, k, a, lda, b, ldb, c, ldc);
-}
-void GemmNtAdd(int m, int n, int k, const double* a, int lda, const double* b, int ldb, double* c,
-               int ldc) {
-  RankUpdate<false, kAdd>(m, n, k, a, lda, b, ldb, c, ldc);
+  RankUpdate<kSetNegative>(n, first, w, ldw, s, lds);
+  RankUpdate<kSub>(n, k - first, w + static_cast<Index>(first) * ldw, ldw, s, lds);
 }
 
 }  // namespace

@@ -1,17 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Solves with the lower factor L and many right-hand sides.
+// Forward substitution with the lower factor L and many right-hand sides.
 //
 // kRhs right-hand sides are taken at a time and copied, a chunk of rows after the other, to a
 // buffer where they are contiguous, so that lanes run along right-hand sides and every entry of L
-// is a broadcast, in the forward and in the backward direction alike.
+// is a broadcast.
 
 #ifndef GLISSADE_KERNELS_IMPL_TRIANGULAR_MANY_H_
 #define GLISSADE_KERNELS_IMPL_TRIANGULAR_MANY_H_
 
 #include "kernels/impl/simd.h"
-#include "kernels/impl/triangular.h"
 
 namespace glissade::kernels {
 namespace {
@@ -40,10 +39,9 @@ GLISSADE_INLINE void PutRows(int rows, int columns, const double* packed, double
   }
 }
 
-/// y(r, :) -= sum_k l(r, k) x(k, :) for kRows rows, where l(r, k) is l[r * row + k * column].
+/// y(r, :) -= sum_k l(r, k) x(k, :) for kRows rows, where l(r, k) is l[r + k * ld].
 template <int kRows>
-GLISSADE_INLINE void SubtractRows(int k, const double* l, Index row, Index column, const double* x,
-                                  double* y) {
+GLISSADE_INLINE void SubtractRows(int k, const double* l, Index ld, const double* x, double* y) {
   vd sum[kRows][kRhsVectors];
 #pragma GCC unroll 8
   for (int r = 0; r < kRows; ++r) {
@@ -59,12 +57,12 @@ GLISSADE_INLINE void SubtractRows(int k, const double* l, Index row, Index colum
       xi[v] = Load(x + v * kW);
 #pragma GCC unroll 8
     for (int r = 0; r < kRows; ++r) {
-      const vd s = Splat(l[r * row]);
+      const vd s = Splat(l[r]);
 #pragma GCC unroll 2
       for (int v = 0; v < kRhsVectors; ++v)
         sum[r][v] -= s * xi[v];
     }
-    l += column;
+    l += ld;
     x += kRhs;
   }
 #pragma GCC unroll 8
@@ -75,14 +73,14 @@ GLISSADE_INLINE void SubtractRows(int k, const double* l, Index row, Index colum
   }
 }
 
-inline void SubtractAllRows(int rows, int k, const double* l, Index row, Index column,
-                            const double* x, double* y) {
+inline void SubtractAllRows(int rows, int k, const double* l, Index ld, const double* x,
+                            double* y) {
   int r = 0;
   for (; r + kSolveRows <= rows; r += kSolveRows) {
-    SubtractRows<kSolveRows>(k, l + r * row, row, column, x, y + r * kRhs);
+    SubtractRows<kSolveRows>(k, l + r, ld, x, y + r * kRhs);
   }
   for (; r < rows; ++r)
-    SubtractRows<1>(k, l + r * row, row, column, x, y + r * kRhs);
+    SubtractRows<1>(k, l + r, ld, x, y + r * kRhs);
 }
 
 /// Divides row y by the pivot.
@@ -97,23 +95,11 @@ GLISSADE_INLINE void ScaleRow(double pivot, double* y) {
 inline void SolveChunkForward(int rows, const double* l, Index ld, double* y) {
   for (int r = 0; r < rows; r += kSolveRows) {
     const int w = Min(kSolveRows, rows - r);
-    SubtractAllRows(w, r, l + r, 1, ld, y, y + r * kRhs);
+    SubtractAllRows(w, r, l + r, ld, y, y + r * kRhs);
     for (int q = 0; q < w; ++q) {
       const double* diagonal = l + (r + q) + (r + q) * ld;
-      SubtractRows<1>(q, diagonal - q * ld, 1, ld, y + r * kRhs, y + (r + q) * kRhs);
+      SubtractRows<1>(q, diagonal - q * ld, ld, y + r * kRhs, y + (r + q) * kRhs);
       ScaleRow(*diagonal, y + (r + q) * kRhs);
-    }
-  }
-}
-
-inline void SolveChunkBackward(int rows, const double* l, Index ld, double* y) {
-  for (int r = (rows - 1) / kSolveRows * kSolveRows; r >= 0; r -= kSolveRows) {
-    const int end = Min(rows, r + kSolveRows);
-    SubtractAllRows(end - r, rows - end, l + end + r * ld, ld, 1, y + end * kRhs, y + r * kRhs);
-    for (int q = end - 1; q >= r; --q) {
-      const double* diagonal = l + q + q * ld;
-      SubtractRows<1>(end - 1 - q, diagonal + 1, ld, 1, y + (q + 1) * kRhs, y + q * kRhs);
-      ScaleRow(*diagonal, y + q * kRhs);
     }
   }
 }
@@ -130,38 +116,12 @@ void ForwardSolveMany(int n, const double* l, int lda, int nrhs, double* b, int 
       FetchRows(rows, columns, bc + r, ldb, chunk);
       for (int k = 0; k < r; k += kFetch) {  // kChunk is a multiple of kFetch
         FetchRows(kFetch, columns, bc + k, ldb, fetched);
-        SubtractAllRows(rows, kFetch, l + r + k * ld, 1, ld, fetched, chunk);
+        SubtractAllRows(rows, kFetch, l + r + k * ld, ld, fetched, chunk);
       }
       SolveChunkForward(rows, l + r + r * ld, ld, chunk);
       PutRows(rows, columns, chunk, bc + r, ldb);
     }
   }
-}
-
-void BackwardSolveMany(int n, const double* l, int lda, int nrhs, double* b, int ldb) {
-  const Index ld = lda;
-  double chunk[kChunk * kRhs];
-  double fetched[kFetch * kRhs];
-  for (int c = 0; c < nrhs; c += kRhs) {
-    const int columns = Min(kRhs, nrhs - c);
-    double* bc = b + c * static_cast<Index>(ldb);
-    for (int r = (n - 1) / kChunk * kChunk; r >= 0 && n > 0; r -= kChunk) {
-      const int end = Min(n, r + kChunk);
-      FetchRows(end - r, columns, bc + r, ldb, chunk);
-      for (int k = end; k < n; k += kFetch) {
-        const int w = Min(kFetch, n - k);
-        FetchRows(w, columns, bc + k, ldb, fetched);
-        SubtractAllRows(end - r, w, l + k + r * ld, ld, 1, fetched, chunk);
-      }
-      SolveChunkBackward(end - r, l + r + r * ld, ld, chunk);
-      PutRows(end - r, columns, chunk, bc + r, ldb);
-    }
-  }
-}
-
-void CholeskySolveMany(int n, const double* l, int lda, int nrhs, double* b, int ldb) {
-  ForwardSolveMany(n, l, lda, nrhs, b, ldb);
-  BackwardSolveMany(n, l, lda, nrhs, b, ldb);
 }
 
 }  // namespace
