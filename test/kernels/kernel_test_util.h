@@ -195,6 +195,16 @@ inline GuardedMatrix RandomSpd(int n, int ld, double upper, Random& random) {
   return a;
 }
 
+inline size_t I(int i) {
+  return static_cast<size_t>(i);
+}
+
+inline Guarded Numbers(int count, Random& random) {
+  Guarded x(I(count));
+  x.FillRandom(random);
+  return x;
+}
+
 }  // namespace glissade::kernels
 
 #endif  // GLISSADE_TEST_KERNELS_KERNEL_TEST_UTIL_H_

@@ -23,10 +23,6 @@ class TwistsTest : public KernelTest {
 };
 GLISSADE_INSTANTIATE_KERNEL_TEST(TwistsTest);
 
-size_t I(int i) {
-  return static_cast<size_t>(i);
-}
-
 /// out = M x, 3 x 3 row-major.
 void Multiply(const double* M, const double* x, double* out) {
   for (int r = 0; r < 3; ++r)

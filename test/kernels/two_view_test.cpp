@@ -13,10 +13,6 @@
 namespace glissade::kernels {
 namespace {
 
-size_t I(int i) {
-  return static_cast<size_t>(i);
-}
-
 /// R = Exp(w), row-major.
 void Rotation(const double (&w)[3], double* R) {
   const double angle = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
