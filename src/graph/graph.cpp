@@ -7,8 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "glissade/vertices/pose.h"
-#include "glissade/vertices/speed_bias.h"
 
 namespace glissade {
 
@@ -120,87 +118,6 @@ bool Graph::Contains(AnyEdge edge) const {
   return Locate(edge).pool != nullptr;
 }
 
-Status Graph::CheckEdgeVertices(std::span<const AnyVertex> vertices,
-                                std::string_view edge_name) const {
-  int eliminated = 0;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const VertexSite site = Locate(vertices[i]);
-    if (site.pool == nullptr) {
-      return internal::About(UnknownHandle(vertices[i]), edge_name);
-    }
-    for (std::size_t j = 0; j < i; ++j) {
-      if (vertices[i] == vertices[j]) {
-        return {StatusCode::kRepeatedVertex,
-                std::string(edge_name) + ": " + ToString(vertices[i]) + " is given twice",
-                vertices[i]};
-      }
-    }
-    if (site.pool->eliminated(site.index) && ++eliminated == 2) {
-      return {StatusCode::kEliminatedPair,
-              std::string(edge_name) + ": joins two eliminated vertices; keep one of them with " +
-                  "SetEliminated(" + ToString(vertices[i]) + ", false)",
-              vertices[i]};
-    }
-  }
-  return {};
-}
-
-Status Graph::CheckDynamicEdge(const DynamicEdge* edge, std::span<const AnyVertex> vertices,
-                               const Loss& loss) {
-  if (edge == nullptr) return {StatusCode::kInvalidArgument, "dynamic edge is null"};
-  if (vertices.empty()) return {StatusCode::kInvalidArgument, "dynamic edge without vertices"};
-  if (Status status = CheckEdgeVertices(vertices, "dynamic edge"); !status.ok()) return status;
-  added_ops_.clear();
-  added_vertices_.clear();
-  for (const AnyVertex& vertex : vertices) {
-    const VertexSite site = Locate(vertex);
-    added_ops_.push_back(&site.pool->ops());
-    added_vertices_.push_back({site.pool, vertex.slot});
-  }
-  if (Status status = edge->CheckVertices(added_ops_); !status.ok()) {
-    return internal::About(status, "dynamic edge");
-  }
-  if (edge->ResidualDim() < 1) {
-    return {StatusCode::kInvalidArgument, "dynamic edge without residuals"};
-  }
-  if (!loss.trivial() && edge->ConstantHessian() != nullptr) {
-    return {StatusCode::kInvalidArgument,
-            "a dynamic edge with a constant Hessian cannot have a robust loss"};
-  }
-  const double* x0 = edge->LinearizationPoint();
-  for (std::size_t i = 0; x0 != nullptr && i < vertices.size(); ++i) {
-    if (Status status = added_ops_[i]->validate(x0); !status.ok()) {
-      return internal::About(status, "dynamic edge: linearization point");
-    }
-    x0 += added_ops_[i]->ambient_dim;
-  }
-  return loss.Validate();
-}
-
-Result<EdgeHandle<DynamicEdge>> Graph::AddEdge(std::unique_ptr<DynamicEdge> edge,
-                                               std::span<const AnyVertex> vertices, Loss loss) {
-  if (Status status = CheckDynamicEdge(edge.get(), vertices, loss); !status.ok()) {
-    return Refused(std::move(status));
-  }
-  auto* pool = static_cast<DynamicEdgePool*>(EdgePoolOf(&kTypeInfo<DynamicEdge>));
-  if (pool == nullptr) {
-    edge_pools_.push_back(std::make_unique<DynamicEdgePool>());
-    pool = static_cast<DynamicEdgePool*>(edge_pools_.back().get());
-  }
-  StructureChanged();
-  const DynamicEdge& stays = *edge;
-  const EdgeHandle<DynamicEdge> handle =
-      pool->Add(std::move(edge), added_vertices_, loss, structure_version_, Id());
-  try {
-    EnterFirstEstimates(stays, vertices);
-  } catch (...) {  // out of memory: all or nothing
-    pool->TakeBack(handle);
-    DropOrphanedFirstEstimates();
-    throw;
-  }
-  return handle;
-}
-
 Status Graph::RemoveVertex(AnyVertex vertex, PriorOnVertex prior) {
   return Refused(RemoveVertexChecked(vertex, prior));
 }
@@ -236,107 +153,6 @@ Status Graph::RemoveEdge(AnyEdge edge) {
       static_cast<DynamicEdgePool*>(site.pool)->At(site.index).LinearizationPoint() != nullptr;
   site.pool->Remove(edge.slot);
   if (is_prior) DropOrphanedFirstEstimates();
-  StructureChanged();
-  return {};
-}
-
-void Graph::DropFreeTangent(AnyVertex vertex) {
-  std::erase_if(free_tangents_, [&](const FreeTangent& t) { return t.vertex == vertex; });
-}
-
-void Graph::Reanchor(AnyVertex vertex) {
-  DropGaugeReference(vertex);
-  for (FreeTangent& tangent : free_tangents_) {
-    if (tangent.vertex != vertex) continue;
-    const VertexSite site = Locate(vertex);
-    const double* state = site.pool->Data(site.index);
-    if (tangent.fix == Fix::kCoordinate) {
-      tangent.UpdateBasis(state);
-    } else {
-      tangent = FreeTangent::At(vertex, tangent.fix, state);
-    }
-  }
-}
-
-Status Graph::CheckFixed(const VertexSite& site, AnyVertex vertex, Fix fix) const {
-  if (site.pool == nullptr) return UnknownHandle(vertex);
-  switch (fix) {
-    case Fix::kFree:
-    case Fix::kWhole:
-      return {};
-    case Fix::kBiases:
-      if (vertex.type == &kTypeInfo<VertexSpeedBias>) return {};
-      return {StatusCode::kInvalidArgument,
-              "SetFixed: only a VertexSpeedBias has biases, not " + ToString(vertex), vertex};
-    case Fix::kPosition:
-    case Fix::kPositionAndYaw:
-      if (vertex.type == &kTypeInfo<VertexPose>) return {};
-      return {StatusCode::kInvalidArgument,
-              "SetFixed: only a VertexPose can be fixed in part, not " + ToString(vertex), vertex};
-    case Fix::kCoordinate:
-      return {StatusCode::kInvalidArgument, "SetFixed: kCoordinate is for gauges", vertex};
-  }
-  return {StatusCode::kInvalidArgument,
-          "SetFixed: " + std::to_string(static_cast<int>(fix)) + " is no Fix", vertex};
-}
-
-Status Graph::SetFixed(AnyVertex vertex, Fix fix) {
-  const VertexSite site = Locate(vertex);
-  if (Status status = CheckFixed(site, vertex, fix); !status.ok()) {
-    return Refused(std::move(status));
-  }
-  const bool partial = fix != Fix::kFree && fix != Fix::kWhole;
-  if (site.pool->fix(site.index) == fix && !partial) return {};
-  DropFreeTangent(vertex);
-  if (partial) {
-    free_tangents_.push_back(FreeTangent::At(vertex, fix, site.pool->Data(site.index)));
-  }
-  site.pool->set_fix(site.index, fix);
-  StructureChanged();
-  return {};
-}
-
-Fix Graph::GetFixed(AnyVertex vertex) const {
-  const VertexSite site = Locate(vertex);
-  return site.pool == nullptr ? Fix::kFree : site.pool->fix(site.index);
-}
-
-Status Graph::CheckEliminated(const VertexSite& site, AnyVertex vertex) const {
-  if (site.pool->ops().tangent_dim > 4) {
-    return {StatusCode::kInvalidArgument,
-            "SetEliminated: " + ToString(vertex) + " has more than 4 tangent dimensions", vertex};
-  }
-  if (site.pool->eliminated(site.index)) return {};
-  for (const auto& pool : edge_pools_) {
-    AnyEdge joins;
-    AnyVertex other;
-    pool->ForEachEdgeAt(*site.pool, vertex.slot, [&](int edge) {  // the oldest comes last
-      for (int i = pool->arity(edge); i-- > 0;) {
-        const VertexPoolBase& vertices = *pool->vertex_pool(edge, i);
-        if (!vertices.eliminated(vertices.slots().IndexOf(pool->vertex_slot(edge, i)))) continue;
-        joins = pool->HandleAt(edge);
-        other = pool->VertexOf(edge, i);
-      }
-    });
-    if (!joins) continue;
-    return {StatusCode::kEliminatedPair,
-            "SetEliminated: " + ToString(joins) + " joins " + ToString(vertex) +
-                " to the eliminated " + ToString(other),
-            joins};
-  }
-  return {};
-}
-
-Status Graph::SetEliminated(AnyVertex vertex, bool eliminated) {
-  const VertexSite site = Locate(vertex);
-  if (site.pool == nullptr) return Refused(UnknownHandle(vertex));
-  if (eliminated) {
-    if (Status status = CheckEliminated(site, vertex); !status.ok()) {
-      return Refused(std::move(status));
-    }
-  }
-  if (site.pool->eliminated(site.index) == eliminated) return {};
-  site.pool->set_eliminated(site.index, eliminated);
   StructureChanged();
   return {};
 }

@@ -18,7 +18,6 @@ class SchurForm {
   /// The augmented information matrix before the dense part was eliminated would be void now; this
   /// is what was left of it: n + 1 columns of the given leading dimension, lower triangle.
   [[nodiscard]] const double* reduced() const { return reduced_; }
-  [[nodiscard]] int reduced_stride() const { return stride_; }
 
  private:
   void AddProducts(const MarginalSystem& system, const RowPanel& panel);

@@ -155,80 +155,6 @@ void Structure::FlattenEdges(const Graph& graph) {
   }
 }
 
-void Structure::NumberVariables(const Graph& graph) {
-  const auto& pools = graph.vertex_pools();
-  variable_.resize(pools.size());
-  touched_.resize(pools.size());
-  step_offsets_.resize(pools.size());
-  for (std::size_t p = 0; p < pools.size(); ++p) {
-    variable_[p].assign(Index(pools[p]->size()), kInactive);
-    touched_[p].assign(Index(pools[p]->size()), 0);
-    step_offsets_[p].assign(Index(pools[p]->size()), -1);
-  }
-  // A vertex without edges has no information: it is left out rather than made a zero row.
-  for (const FlatEdges& edges : flat_) {
-    edges.ForEachPool([&](std::size_t pool, std::size_t first, std::size_t step) {
-      std::uint8_t* const touched = touched_[pool].data();
-      const std::size_t size = edges.index.size();
-      for (std::size_t k = first; k < size; k += step)
-        touched[edges.index[k]] = 1;
-    });
-  }
-  poses_.clear();
-  landmarks_.clear();
-  pose_offsets_.assign(1, 0);
-  num_landmark_scalars_ = 0;
-  for (std::size_t p = 0; p < pools.size(); ++p) {
-    const VertexPoolBase& pool = *pools[p];
-    const int dim = pool.ops().tangent_dim;
-    for (int k = 0; k < pool.size(); ++k) {
-      if (pool.fix(k) == Fix::kWhole || touched_[p][Index(k)] == 0) continue;
-      if (pool.eliminated(k)) {
-        variable_[p][Index(k)] = ~static_cast<std::int32_t>(landmarks_.size());
-        landmarks_.push_back(
-            {static_cast<std::int32_t>(p), k, dim, 0, num_landmark_scalars_, 0, 0});
-        num_landmark_scalars_ += dim;
-      } else {
-        variable_[p][Index(k)] = static_cast<std::int32_t>(poses_.size());
-        poses_.push_back({static_cast<std::int32_t>(p), k, pose_offsets_.back(), dim, 0, -1});
-        step_offsets_[p][Index(k)] = pose_offsets_.back();
-        pose_offsets_.push_back(pose_offsets_.back() + dim);
-      }
-    }
-  }
-  for (FlatEdges& edges : flat_) {
-    edges.variable.resize(edges.index.size());
-    edges.ForEachPool([&](std::size_t pool, std::size_t first, std::size_t step) {
-      const std::int32_t* const variable = variable_[pool].data();
-      const std::size_t size = edges.index.size();
-      for (std::size_t k = first; k < size; k += step)
-        edges.variable[k] = variable[edges.index[k]];
-    });
-  }
-  const auto& tangents = graph.free_tangents();
-  for (std::size_t t = 0; t < tangents.size(); ++t) {
-    const VertexPoolBase* pool = graph.PoolOf(tangents[t].vertex.type);
-    const int index = pool->slots().IndexOf(tangents[t].vertex.slot);
-    const std::int32_t block = variable_[Index(pool->id())][Index(index)];
-    if (block == kInactive) continue;
-    poses_[Index(block)].free_tangent = static_cast<std::int32_t>(t);
-    step_offsets_[Index(pool->id())][Index(index)] = -1;
-  }
-}
-
-void Structure::NumberLandmarkSteps() {
-  for (const LandmarkBlock& landmark : landmarks_) {
-    step_offsets_[Index(landmark.pool)][Index(landmark.index)] = num_pose_scalars() + landmark.step;
-  }
-  for (const LandmarkGroup& group : plan_.groups) {
-    std::vector<std::int32_t>& offsets = step_offsets_[Index(group.pool)];
-    const std::int32_t first = num_pose_scalars() + plan_.first_step + group.step_begin;
-    for (std::int32_t lane = 0; lane < group.used; ++lane)
-      offsets[Index(plan_.landmark_of_lane[Index(group.lane_begin + lane)])] =
-          first + group.dim * lane;
-  }
-}
-
 void Structure::ListLandmarkEdges(const Graph& graph) {
   // Counting sort of all edges by landmark; stable, so in insertion order within a landmark.
   const std::size_t num_landmarks = landmarks_.size();
@@ -293,42 +219,6 @@ Status Structure::CheckSize(const Graph& graph) const {
     const AnyVertex vertex = graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index);
     return {StatusCode::kInvalidArgument,
             "landmark " + ToString(vertex) + " is seen by more than 65535 vertices", vertex};
-  }
-  return {};
-}
-
-Status Structure::FindDuplicates(const Graph& graph) {
-  for (std::size_t p = 0; p < num_pools_; ++p) {
-    const EdgePoolBase& pool = *graph.edge_pools()[p];
-    if (!pool.IsObservation() || pool.size() < 2) continue;
-    const FlatEdges& edges = flat_[p];
-    if (edges.arity == 0) continue;  // dynamic edges are not observations
-    const int arity = edges.arity;
-    std::size_t size = 64;
-    while (size < 2 * Index(pool.size()))
-      size *= 2;
-    duplicate_table_.assign(size, {-1, -1});
-    for (int edge = 0; edge < pool.size(); ++edge) {
-      const std::int32_t* a = edges.index.data() + edges.Begin(edge);
-      std::uint64_t hash = 0;
-      for (int i = 0; i < arity; ++i) {
-        hash = (hash ^ static_cast<std::uint32_t>(a[i])) * 0x9E3779B97F4A7C15ull;
-        hash ^= hash >> 29;
-      }
-      std::size_t slot = static_cast<std::size_t>(hash >> 20) & (size - 1);
-      for (; duplicate_table_[slot].edge >= 0; slot = (slot + 1) & (size - 1)) {
-        const int other = duplicate_table_[slot].edge;
-        const std::int32_t* b = edges.index.data() + edges.Begin(other);
-        if (std::equal(a, a + arity, b) && pool.IsDuplicate(other, edge)) {
-          const AnyEdge first = pool.HandleAt(other), second = pool.HandleAt(edge);
-          return {
-              StatusCode::kDuplicate,
-              "the same observation twice: edges " + ToString(first) + " and " + ToString(second),
-              first, second};
-        }
-      }
-      duplicate_table_[slot] = {static_cast<std::int32_t>(p), edge};
-    }
   }
   return {};
 }

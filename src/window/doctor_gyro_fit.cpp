@@ -11,65 +11,14 @@
 
 #include "glissade/base/index.h"
 #include "glissade/lie/so3.h"
+#include "window/doctor_gyro_correlation.h"
+#include "window/doctor_gyro_integral.h"
 
 namespace glissade::internal {
 
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-/// Readings less bias in rad/s, integrated from the first on: as rotation, and as a plain sum for
-/// where units are not known yet.
-class Integral {
- public:
-  Integral(const std::vector<DoctorSample>& imu, double unit, const Vector3& bias)
-      : imu_(imu), unit_(unit), bias_(bias) {
-    sums_.resize(imu.size(), Vector3::Zero());
-    rotations_.resize(imu.size(), Matrix3::Identity());
-    for (std::size_t k = 1; k < imu.size(); ++k) {
-      const double h = imu[k].t - imu[k - 1].t;
-      const Vector3 step = 0.5 * h * (Rate(k - 1) + Rate(k));
-      sums_[k] = sums_[k - 1] + step;
-      rotations_[k] = rotations_[k - 1] * so3::Exp(step);
-    }
-  }
-  [[nodiscard]] bool Covers(double t0, double t1) const {
-    return t0 >= imu_.front().t && t1 <= imu_.back().t;
-  }
-  [[nodiscard]] Vector3 SumAt(double t) const {
-    Vector3 step;
-    const std::size_t k = Before(t, &step);
-    return sums_[k] + step;
-  }
-  [[nodiscard]] Matrix3 RotationAt(double t) const {
-    Vector3 step;
-    const std::size_t k = Before(t, &step);
-    return rotations_[k] * so3::Exp(step);
-  }
-  [[nodiscard]] Vector3 Between(double t0, double t1) const {
-    return so3::Log(Matrix3(RotationAt(t0).transpose() * RotationAt(t1)));
-  }
-
- private:
-  [[nodiscard]] Vector3 Rate(std::size_t k) const { return unit_ * imu_[k].gyro - bias_; }
-  /// The sample before t, and the rotation from it to t (rates linear in between).
-  std::size_t Before(double t, Vector3* step) const {
-    const auto after =
-        std::upper_bound(imu_.begin() + 1, imu_.end() - 1, t,
-                         [](double time, const DoctorSample& s) { return time < s.t; });
-    const auto k = static_cast<std::size_t>(after - imu_.begin()) - 1;
-    const double h = imu_[k + 1].t - imu_[k].t;
-    const double part = std::clamp((t - imu_[k].t) / h, 0.0, 1.0);
-    *step = part * h * ((1.0 - 0.5 * part) * Rate(k) + 0.5 * part * Rate(k + 1));
-    return k;
-  }
-
-  const std::vector<DoctorSample>& imu_;
-  double unit_;
-  Vector3 bias_;
-  std::vector<Vector3> sums_;
-  std::vector<Matrix3> rotations_;
-};
 
 /// Pairs of the camera between which the IMU has no gap, at any offset that is searched.
 std::vector<DoctorPair> PairsWithImu(const DoctorCase& c, int camera) {
@@ -91,52 +40,6 @@ std::vector<DoctorPair> PairsWithImu(const DoctorCase& c, int camera) {
     pairs.push_back(p);
   }
   return pairs;
-}
-
-/// What the rotation rates have in common at one offset.
-struct Correlation {
-  double proper = 0.0, mirrored = 0.0;  ///< -1 to 1
-  double scale = 1.0;                   ///< camera's rotation over the sum of readings
-  Matrix3 M = Matrix3::Zero();          ///< sum of body times camera', normalized
-  double camera_rms = 0.0;
-};
-
-Correlation CorrelationAt(const Integral& gyro, const std::vector<DoctorPair>& pairs, double S) {
-  // A constant rate is removed from both: it may be the bias.
-  Vector3 sum_b = Vector3::Zero(), sum_c = Vector3::Zero();
-  double sum_tt = 0.0;
-  std::vector<Vector3> body;
-  std::vector<const DoctorPair*> used;
-  for (const DoctorPair& p : pairs) {
-    if (!gyro.Covers(p.t0 + S, p.t1 + S)) continue;
-    const double dt = p.t1 - p.t0;
-    body.push_back(gyro.SumAt(p.t1 + S) - gyro.SumAt(p.t0 + S));
-    used.push_back(&p);
-    sum_b += dt * body.back();
-    sum_c += dt * p.phi;
-    sum_tt += dt * dt;
-  }
-  Correlation r;
-  if (used.size() < 10) return r;
-  double bb = 0.0, cc = 0.0;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    const double dt = used[i]->t1 - used[i]->t0;
-    const Vector3 b = body[i] - dt / sum_tt * sum_b, v = used[i]->phi - dt / sum_tt * sum_c;
-    r.M += b * v.transpose();
-    bb += b.squaredNorm();
-    cc += v.squaredNorm();
-  }
-  r.camera_rms = std::sqrt(cc / static_cast<double>(used.size()));
-  const double norm = std::sqrt(bb * cc);
-  if (!(norm > 0.0) || !std::isfinite(norm)) return r;
-  r.M /= norm;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(r.M);
-  const auto& s = svd.singularValues();
-  const double last = r.M.determinant() < 0.0 ? -s[2] : s[2];
-  r.proper = s[0] + s[1] + last;
-  r.mirrored = s[0] + s[1] - last;
-  r.scale = std::sqrt(cc / bb);
-  return r;
 }
 
 /// The rotation R that maximizes trace(R' M), M a little bent towards a rotation that is taken
@@ -162,7 +65,8 @@ struct Term {
 };
 
 /// What the model says of a pair, and its derivative.
-Vector3 Predict(const GyroFit& x, const Integral& gyro, const DoctorPair& p, double h, Term* term) {
+Vector3 Predict(const GyroFit& x, const GyroIntegral& gyro, const DoctorPair& p, double h,
+                Term* term) {
   const double S = x.time_offset_s;
   const double k = x.sign * x.scale;
   const Matrix3 R_c_b = x.R_b_c.transpose();
@@ -185,7 +89,7 @@ Matrix3 ModelError(const DoctorPair& p) {
 }
 
 /// Against the rotation that the pair's tracks have alone.
-Term AgainstRotation(const GyroFit& x, const Integral& gyro, const DoctorPair& p, double h,
+Term AgainstRotation(const GyroFit& x, const GyroIntegral& gyro, const DoctorPair& p, double h,
                      Vector3*) {
   Term term;
   const Vector3 r = Predict(x, gyro, p, h, &term) - p.phi;
@@ -202,7 +106,7 @@ Term AgainstRotation(const GyroFit& x, const Integral& gyro, const DoctorPair& p
 class AgainstTracks {
  public:
   explicit AgainstTracks(const DoctorCase& c) : c_(c) {}
-  Term operator()(const GyroFit& x, const Integral& gyro, const DoctorPair& p, double h,
+  Term operator()(const GyroFit& x, const GyroIntegral& gyro, const DoctorPair& p, double h,
                   Vector3* t) const {
     Term term;
     const Vector3 phi = Predict(x, gyro, p, h, &term);
@@ -266,7 +170,7 @@ bool Polish(const DoctorCase& c, const std::vector<DoctorPair>& pairs, const Mak
   for (const DoctorPair& p : pairs)
     translations.push_back(p.t);
   for (int k = 0; k < iterations; ++k) {
-    const Integral gyro(c.imu, x->unit, x->bias);
+    const GyroIntegral gyro(c.imu, x->unit, x->bias);
     std::vector<Term> terms;
     std::vector<double> distances;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -322,14 +226,14 @@ GyroFit FitGyroToPairs(const DoctorCase& c, int camera) {
     noise.push_back(p.covariance.trace());
   fit.noise_rms = std::sqrt(QuantileOf(&noise, 0.5));
 
-  const Integral plain(c.imu, 1.0, Vector3::Zero());
+  const GyroIntegral plain(c.imu, 1.0, Vector3::Zero());
   const double range = c.options.max_time_offset_s, step = 0.01;
   const int steps = static_cast<int>(std::ceil(range / step));
-  Correlation best;
+  GyroCorrelation best;
   double best_offset = 0.0;
   for (int k = -steps; k <= steps; ++k) {
     const double S = std::clamp(k * step, -range, range);
-    const Correlation r = CorrelationAt(plain, pairs, S);
+    const GyroCorrelation r = CorrelationAt(plain, pairs, S);
     if (k == -steps || std::max(r.proper, r.mirrored) > std::max(best.proper, best.mirrored)) {
       best = r;
       best_offset = S;
