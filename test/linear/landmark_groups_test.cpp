@@ -17,11 +17,14 @@
 #include "glissade/glissade.h"
 #include "glissade/losses/cauchy.h"
 #include "linear/both_paths.h"
+#include "linear/pose_row.h"
 #include "support/two_view_edges.h"
 
 namespace glissade {
 namespace {
 
+using test::kLeftCamera;
+using test::kRightCamera;
 using test::ReprojectionInPacks;
 using test::ReprojectionOneByOne;
 using test::ReprojectionResidual;
@@ -40,19 +43,10 @@ class Builder {
 
   /// Frames in a row; each landmark is seen by those after its host, in a random order.
   Graph Build(Kind kind, int num_poses, int num_landmarks, bool first_estimates) {
-    for (int k = 0; k < num_poses; ++k) {
-      const Vector3 p = Vector3(0.3 * k, 0.0, 0.0) + random_.Vec3(0.1);
-      poses_.push_back(
-          graph_.AddVertex(VertexPose{Pose(so3::ExpQuaternion(random_.Vec3(0.1)), p)}));
-      EdgeOptions<EdgeSE3Prior> prior;
-      prior.sqrt_information = SquareMatrix<6>(30.0 * SquareMatrix<6>::Identity());
-      Pose mean = graph_.Get(poses_.back()).pose;
-      mean.p() += random_.Vec3(0.02);
-      EXPECT_TRUE(graph_.AddEdge(EdgeSE3Prior{mean}, {poses_.back()}, prior).ok());
-    }
+    poses_ = test::AddPoseRow(num_poses, Vector3::Zero(), &random_, &graph_);
     for (int l = 0; l < num_landmarks; ++l)
       AddLandmark(kind, static_cast<std::size_t>(l) % (poses_.size() - 1));
-    if (first_estimates) Move();
+    if (first_estimates) test::MoveFirstEstimates(poses_, &random_, &graph_);
     return std::move(graph_);
   }
 
@@ -75,13 +69,13 @@ class Builder {
         graph_.AddVertex(VertexInverseDepth{random_.Uniform(0.1, 0.4)});
     EdgeReprojection edge;
     edge.uv_host = random_.Vec2(0.3);
-    edge.T_b_c = kCamera;
+    edge.T_b_c = kLeftCamera;
     if (kind == Kind::kStereo || kind == Kind::kMixed) {
       // Also in the host itself: an edge on the landmark alone.
       EdgeReprojectionStereoSame same;
       same.uv_host = edge.uv_host;
-      same.T_b_host = kCamera;
-      same.T_b_target = kRight;
+      same.T_b_host = kLeftCamera;
+      same.T_b_target = kRightCamera;
       same.uv_target = edge.uv_host + random_.Vec2(0.01);
       EdgeOptions<EdgeReprojectionStereoSame> options;
       options.sqrt_information = Matrix2(200.0 * Matrix2::Identity());
@@ -122,8 +116,8 @@ class Builder {
         EdgeReprojectionStereo stereo;
         stereo.uv_host = edge.uv_host;
         stereo.uv_target = edge.uv_target;
-        stereo.T_b_host = kCamera;
-        stereo.T_b_target = random_.Uniform(0.0, 1.0) < 0.5 ? kCamera : kRight;
+        stereo.T_b_host = kLeftCamera;
+        stereo.T_b_target = random_.Uniform(0.0, 1.0) < 0.5 ? kLeftCamera : kRightCamera;
         return Add(stereo, host, target, depth);
       }
       default:
@@ -131,19 +125,6 @@ class Builder {
     }
   }
 
-  /// Every other pose was linearized elsewhere.
-  void Move() {
-    for (std::size_t k = 0; k < poses_.size(); k += 2) {
-      Pose x = graph_.Get(poses_[k]).pose;
-      x.p() += random_.Vec3(0.05);
-      x.q() = Quaternion(x.q() * so3::ExpQuaternion(random_.Vec3(0.03)));
-      x.Normalize();
-      EXPECT_TRUE(graph_.SetFirstEstimate(poses_[k], {x.data, 7}).ok());
-    }
-  }
-
-  const Pose kCamera = Pose(so3::ExpQuaternion(Vector3(0.1, -0.2, 0.3)), Vector3(0.1, 0.05, -0.02));
-  const Pose kRight = Pose(so3::ExpQuaternion(Vector3(0.1, -0.2, 0.31)), Vector3(0.2, 0.05, -0.02));
   test::Random random_;
   Graph graph_;
   std::vector<VertexHandle<VertexPose>> poses_;
@@ -170,18 +151,7 @@ TEST_P(LandmarkGroups, AreTheSameSystemAsOneByOne) {
 
 TEST_P(LandmarkGroups, ThreadsChangeNoBit) {
   const Graph graph = Builder(9).Build(GetParam(), 12, 600, true);
-  ASSERT_GT(graph.NumEdges(), 2 * Structure::kEdgesPerChunk);  // several chunks
-  std::vector<Snapshot> results;
-  for (const int threads : {1, 2, 4}) {
-    Problem problem(graph.Clone());
-    SolveOptions options;
-    options.num_threads = threads;
-    options.max_iterations = 4;
-    EXPECT_TRUE(problem.Solve(options).ok());
-    results.push_back(problem.GetSnapshot());
-  }
-  EXPECT_EQ(results[0].states, results[1].states);
-  EXPECT_EQ(results[0].states, results[2].states);
+  test::ExpectThreadsChangeNoBit(graph);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, LandmarkGroups,

@@ -15,102 +15,16 @@
 #include "glissade/edges/reprojection_xyz.h"
 #include "glissade/glissade.h"
 #include "glissade/losses/cauchy.h"
-#include "glissade/vertices/pose_view.h"
 #include "linear/both_paths.h"
+#include "linear/point_edges.h"
+#include "linear/pose_row.h"
 
 namespace glissade {
 namespace {
 
-/// EdgeReprojectionXYZ as a user would write it.
-struct PointData {
-  using Vertices = VertexList<VertexPose, VertexPointXYZ>;
-  static constexpr int kResidualDim = 2;
-  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePoint;
-
-  Vector2 uv = Vector2::Zero();
-  Pose T_b_c;
-
-  [[nodiscard]] bool SameSensor(const PointData& other) const { return T_b_c == other.T_b_c; }
-};
-
-/// One at a time.
-struct PointOneByOne : PointData {
-  bool Evaluate(const VertexPose& pose, const VertexPointXYZ& point, Vector2& r,
-                Jacobian<2, 6>* d_pose, Jacobian<2, 3>* d_point) const {
-    EdgeReprojectionXYZ edge;
-    edge.uv = uv;
-    edge.T_b_c = T_b_c;
-    return edge.Evaluate(pose, point, r, d_pose, d_point);
-  }
-};
-
-/// In packs, without Jacobians.
-struct PointResidual : PointData {
-  static constexpr auto kLanes = Fields(&PointResidual::uv);
-
-  template <class T>
-  bool Evaluate(const View<VertexPose, T>& pose, const View<VertexPointXYZ, T>& point,
-                const Vec<T, 2>& measured, Vec<T, 2>& r) const {
-    const auto camera = internal::ViewOf<T>(T_b_c);
-    const Vec<T, 3> y = TransposeTimes(pose.R, point.p - pose.p);
-    const Vec<T, 3> q = TransposeTimes(camera.R, y - camera.p);
-    r = {{q[0] / q[2] - measured[0], q[1] / q[2] - measured[1]}};
-    return true;
-  }
-};
-
-/// The vector from the body to the point: three rows.
-struct PointOffset {
-  using Vertices = VertexList<VertexPose, VertexPointXYZ>;
-  static constexpr int kResidualDim = 3;
-  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePoint;
-  Vector3 measured = Vector3::Zero();
-
-  bool Evaluate(const VertexPose& pose, const VertexPointXYZ& point, Vector3& r,
-                Jacobian<3, 6>* d_pose, Jacobian<3, 3>* d_point) const {
-    const Matrix3 Rt = pose.pose.R().transpose();
-    const Vector3 x = Rt * (point.p() - pose.pose.p());
-    r = x - measured;
-    if (d_pose != nullptr) {
-      d_pose->leftCols<3>() = -Rt;
-      d_pose->rightCols<3>() = so3::Hat(x);
-    }
-    if (d_point != nullptr) *d_point = Rt;
-    return true;
-  }
-};
-
-/// On the point alone.
-struct PointPrior {
-  using Vertices = VertexList<VertexPointXYZ>;
-  static constexpr int kResidualDim = 3;
-  Vector3 mean = Vector3::Zero();
-
-  bool Evaluate(const VertexPointXYZ& point, Vector3& r, Jacobian<3, 3>* d_point) const {
-    r = point.p() - mean;
-    if (d_point != nullptr) *d_point = Matrix3::Identity();
-    return true;
-  }
-};
-
-/// With the camera's pose in the body as a vertex.
-struct PointExtrinsic {
-  using Vertices = VertexList<VertexPose, VertexPointXYZ, VertexPose>;
-  static constexpr int kResidualDim = 2;
-  static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePoint;
-  static constexpr int kExtrinsicVertex = 2;
-  Vector2 uv = Vector2::Zero();
-  static constexpr auto kLanes = Fields(&PointExtrinsic::uv);
-
-  template <class T>
-  bool Evaluate(const View<VertexPose, T>& pose, const View<VertexPointXYZ, T>& point,
-                const View<VertexPose, T>& camera, const Vec<T, 2>& measured, Vec<T, 2>& r) const {
-    const Vec<T, 3> y = TransposeTimes(pose.R, point.p - pose.p);
-    const Vec<T, 3> q = TransposeTimes(camera.R, y - camera.p);
-    r = {{q[0] / q[2] - measured[0], q[1] / q[2] - measured[1]}};
-    return true;
-  }
-};
+using test::kLeftCamera, test::kRightCamera;
+using test::PointExtrinsic, test::PointOffset, test::PointOneByOne, test::PointPrior;
+using test::PointResidual;
 
 enum class Kind { kOneByOne, kResidual, kBuiltIn, kTwoCameras, kPinhole, kOffset, kMixed };
 
@@ -136,19 +50,10 @@ class Builder {
 
   Graph Build(Kind kind, int num_poses, int num_points, double from_origin = 0.0) {
     const Vector3 o(from_origin, -from_origin, from_origin);
-    for (int k = 0; k < num_poses; ++k) {
-      const Vector3 p = o + Vector3(0.3 * k, 0.0, 0.0) + random_.Vec3(0.1);
-      poses_.push_back(
-          graph_.AddVertex(VertexPose{Pose(so3::ExpQuaternion(random_.Vec3(0.1)), p)}));
-      EdgeOptions<EdgeSE3Prior> prior;
-      prior.sqrt_information = SquareMatrix<6>(30.0 * SquareMatrix<6>::Identity());
-      Pose mean = graph_.Get(poses_.back()).pose;
-      mean.p() += random_.Vec3(0.02);
-      EXPECT_TRUE(graph_.AddEdge(EdgeSE3Prior{mean}, {poses_.back()}, prior).ok());
-    }
+    poses_ = test::AddPoseRow(num_poses, o, &random_, &graph_);
     if (options_.extrinsic) {
-      extrinsic_ = graph_.AddVertex(VertexPose{kCamera});
-      EXPECT_TRUE(graph_.AddEdge(EdgeSE3Prior{kCamera}, {extrinsic_}).ok());
+      extrinsic_ = graph_.AddVertex(VertexPose{kLeftCamera});
+      EXPECT_TRUE(graph_.AddEdge(EdgeSE3Prior{kLeftCamera}, {extrinsic_}).ok());
     }
     for (int l = 0; l < num_points; ++l)
       AddPoint(kind, o, l);
@@ -185,8 +90,8 @@ class Builder {
     const auto first = static_cast<std::size_t>(l) % (poses_.size() - 1);
     for (std::size_t k = options_.several_points_of_view ? 0 : first; k < poses_.size(); ++k) {
       if (k != first && Chance(0.3)) continue;
-      Observe(kind, k, point, kCamera);
-      if (kind == Kind::kTwoCameras && Chance(0.8)) Observe(kind, k, point, kRight);
+      Observe(kind, k, point, kLeftCamera);
+      if (kind == Kind::kTwoCameras && Chance(0.8)) Observe(kind, k, point, kRightCamera);
     }
     if (kind == Kind::kMixed && Chance(0.5)) {
       const PointPrior prior{o + x + random_.Vec3(0.1)};
@@ -200,7 +105,7 @@ class Builder {
     if (options_.depths) {
       EdgeReprojection edge;
       edge.uv_host = random_.Vec2(0.3);
-      edge.T_b_c = kCamera;
+      edge.T_b_c = kLeftCamera;
       const auto depth = graph_.AddVertex(VertexInverseDepth{random_.Uniform(0.1, 0.4)});
       const std::size_t host = (first + 1) % poses_.size();
       for (const std::size_t target : {(host + 1) % poses_.size(), (host + 2) % poses_.size()}) {
@@ -254,13 +159,7 @@ class Builder {
 
   /// Every other pose and every third point were linearized elsewhere.
   void Move() {
-    for (std::size_t k = 0; k < poses_.size(); k += 2) {
-      Pose x = graph_.Get(poses_[k]).pose;
-      x.p() += random_.Vec3(0.05);
-      x.q() = Quaternion(x.q() * so3::ExpQuaternion(random_.Vec3(0.03)));
-      x.Normalize();
-      EXPECT_TRUE(graph_.SetFirstEstimate(poses_[k], {x.data, 7}).ok());
-    }
+    test::MoveFirstEstimates(poses_, &random_, &graph_);
     int l = 0;
     std::vector<VertexHandle<VertexPointXYZ>> points;
     graph_.ForEachVertex<VertexPointXYZ>([&](auto handle, const auto&) {
@@ -272,8 +171,6 @@ class Builder {
     }
   }
 
-  const Pose kCamera = Pose(so3::ExpQuaternion(Vector3(0.1, -0.2, 0.3)), Vector3(0.1, 0.05, -0.02));
-  const Pose kRight = Pose(so3::ExpQuaternion(Vector3(0.1, -0.2, 0.31)), Vector3(0.2, 0.05, -0.02));
   test::Random random_;
   Options options_;
   Graph graph_;
@@ -346,18 +243,7 @@ TEST_P(PointGroups, BesidePointsOfAnEstimatedCamera) {
 
 TEST_P(PointGroups, ThreadsChangeNoBit) {
   const Graph graph = Builder(9, {.depths = true}).Build(GetParam(), 12, 500);
-  ASSERT_GT(graph.NumEdges(), 2 * Structure::kEdgesPerChunk);  // several chunks
-  std::vector<Snapshot> results;
-  for (const int threads : {1, 2, 4}) {
-    Problem problem(graph.Clone());
-    SolveOptions options;
-    options.num_threads = threads;
-    options.max_iterations = 4;
-    EXPECT_TRUE(problem.Solve(options).ok());
-    results.push_back(problem.GetSnapshot());
-  }
-  EXPECT_EQ(results[0].states, results[1].states);
-  EXPECT_EQ(results[0].states, results[2].states);
+  test::ExpectThreadsChangeNoBit(graph);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, PointGroups,
