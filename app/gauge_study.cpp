@@ -215,8 +215,5 @@ app::Outcome Run(const Options& o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  app::Program program(kName, kDescription, kFooter);
-  Options options;
-  AddOptions(program, options);
-  return program.Run(argc, argv, [&] { return Run(options); });
+  return app::Program(kName, kDescription, kFooter).Main<Options>(argc, argv, AddOptions, Run);
 }

@@ -143,12 +143,10 @@ app::Outcome MakeBal(Options o) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  app::Program program(kName, kDescription, kFooter);
-  Options options;
-  AddOptions(program, options);
-  return program.Run(argc, argv, [&] {
+  const auto make = [](const Options& options) {
     if (options.kind == "windows") return MakeWindows(options);
     if (options.kind == "odometry") return MakeOdometry(options);
     return options.kind == "bal" ? MakeBal(options) : MakeRecording(options);
-  });
+  };
+  return app::Program(kName, kDescription, kFooter).Main<Options>(argc, argv, AddOptions, make);
 }

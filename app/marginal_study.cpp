@@ -259,8 +259,5 @@ Outcome Run(const Settings& settings) {
 
 int main(int argc, char** argv) {
   using namespace glissade::app;
-  Program program(kName, kDescription, kFooter);
-  Settings settings;
-  AddOptions(program, settings);
-  return program.Run(argc, argv, [&] { return Run(settings); });
+  return Program(kName, kDescription, kFooter).Main<Settings>(argc, argv, AddOptions, Run);
 }

@@ -42,6 +42,13 @@ class Program {
 
   /// Parses, runs the work, and gives what main returns. Exceptions end here.
   int Run(int argc, char** argv, const std::function<Outcome()>& work);
+  /// All of main: options that `add` puts on the command line, for `work`.
+  template <class Options, class Add, class Work>
+  int Main(int argc, char** argv, const Add& add, const Work& work) {
+    Options options;
+    add(*this, options);
+    return Run(argc, argv, [&] { return work(options); });
+  }
 
  private:
   struct Output {
