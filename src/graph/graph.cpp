@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/graph/pools.h"
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <utility>
-
 
 namespace glissade {
 

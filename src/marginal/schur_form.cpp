@@ -72,12 +72,12 @@ Status SchurForm::Run(MarginalSystem* system, const MarginalizeOptions& options,
       report->deficient.push_back(v.pool->HandleAt(v.index));
     }
   }
-  reduced_ = A_.data() + Index(going) * Index(stride_) + Index(going);
+  const double* reduced = A_.data() + Index(going) * Index(stride_) + Index(going);
   double constant = 0.0;
   const int rows =
       options.root == InformationRoot::kEigen
-          ? EigenRoot(staying, reduced_, stride_, options.relative_cut, r0, jacobian, &constant)
-          : CholeskyRoot(staying, reduced_, stride_, options.relative_cut, &scratch_, r0, jacobian,
+          ? EigenRoot(staying, reduced, stride_, options.relative_cut, r0, jacobian, &constant)
+          : CholeskyRoot(staying, reduced, stride_, options.relative_cut, &scratch_, r0, jacobian,
                          &constant);
   if (rows < 0) return Indefinite();
   report->constant_cost = 0.5 * std::max(constant, 0.0);

@@ -15,9 +15,6 @@ class SchurForm {
  public:
   Status Run(MarginalSystem* system, const MarginalizeOptions& options, MarginalReport* report,
              std::vector<double>* r0, std::vector<double>* jacobian);
-  /// The augmented information matrix before the dense part was eliminated would be void now; this
-  /// is what was left of it: n + 1 columns of the given leading dimension, lower triangle.
-  [[nodiscard]] const double* reduced() const { return reduced_; }
 
  private:
   void AddProducts(const MarginalSystem& system, const RowPanel& panel);
@@ -26,7 +23,6 @@ class SchurForm {
   RowPanel panel_;
   std::vector<double> A_, products_;
   std::vector<std::int32_t> column_of_;
-  const double* reduced_ = nullptr;
   int stride_ = 0;
   DenseScratch scratch_;
   std::vector<unsigned char> weak_;

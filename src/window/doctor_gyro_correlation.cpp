@@ -39,6 +39,7 @@ GyroCorrelation CorrelationAt(const GyroIntegral& gyro, const std::vector<Doctor
   if (!(norm > 0.0) || !std::isfinite(norm)) return r;
   r.M /= norm;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(r.M);
+  if (svd.info() != Eigen::Success) return r;
   const auto& s = svd.singularValues();
   const double last = r.M.determinant() < 0.0 ? -s[2] : s[2];
   r.proper = s[0] + s[1] + last;
