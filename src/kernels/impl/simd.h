@@ -244,10 +244,6 @@ template <typename T>
 GLISSADE_INLINE T Min(T a, T b) {
   return a < b ? a : b;
 }
-template <typename T>
-GLISSADE_INLINE T Max(T a, T b) {
-  return a > b ? a : b;
-}
 
 }  // namespace
 }  // namespace glissade::kernels
