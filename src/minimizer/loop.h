@@ -263,6 +263,11 @@ class Minimizer {
     strategy_.Accepted(iteration_.gain_ratio);
     if (rules_.CostConverged(decrease, cost_)) return Stop(Termination::kConvergedCost);
     if (OutOfTime()) return;
+    // Of the last step there is, nobody may ask for derivatives.
+    if (iteration_.iteration >= options_.max_iterations && options_.gradient_tolerance == 0.0 &&
+        !options_.callback) {
+      return;
+    }
     if (!Linearize()) return;
     GradientConverged();
   }

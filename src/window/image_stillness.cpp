@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <utility>
 
 #include "glissade/imu/sample.h"
 #include "glissade/window/stillness.h"
 #include "window/quantiles.h"
+#include "window/stillness_test.h"
 #include "window/verdicts.h"
 
 namespace glissade {
@@ -18,33 +17,38 @@ constexpr int kMinTracks = 8;
 constexpr double kWrongShare = 0.3;         // of tracks that lead elsewhere
 constexpr double kChi2Median = 1.38629436;  // 2 degrees of freedom: 2 ln 2
 
-/// Sums for a straight line through u(t), v(t).
-struct Line {
-  int n = 0;
-  double t = 0.0, tt = 0.0, u = 0.0, v = 0.0, tu = 0.0, tv = 0.0;
-
-  void Add(double at, double pu, double pv) {
-    ++n;
-    t += at;
-    tt += at * at;
-    u += pu;
-    v += pv;
-    tu += at * pu;
-    tv += at * pv;
-  }
-  /// (slope_u^2 / var_u + slope_v^2 / var_v) with the variances of a pixel.
-  [[nodiscard]] double Chi2(double var_u, double var_v) const {
-    const double stt = tt - t * t / n;
-    const double su = tu - t * u / n, sv = tv - t * v / n;
-    return (su * su / var_u + sv * sv / var_v) / stt;
-  }
-};
-
 }  // namespace
 
-ImageStillnessTest TestImageStillness(std::span<const WindowCamera> cameras,
-                                      std::span<const FrameObservations> frames,
-                                      const StillnessOptions& options) {
+namespace internal {
+
+void ImageStillness::Line::Add(double at, double pu, double pv) {
+  ++n;
+  t += at;
+  tt += at * at;
+  u += pu;
+  v += pv;
+  tu += at * pu;
+  tv += at * pv;
+}
+
+double ImageStillness::Line::Chi2(double var_u, double var_v) const {
+  const double stt = tt - t * t / n;
+  const double su = tu - t * u / n, sv = tv - t * v / n;
+  return (su * su / var_u + sv * sv / var_v) / stt;
+}
+
+ImageStillness::Line& ImageStillness::LineOf(int camera, std::int64_t track) {
+  TrackTable& table = line_of_track_[static_cast<std::size_t>(camera)];
+  const int found = table.Find(track);
+  if (found >= 0) return lines_[static_cast<std::size_t>(found)];
+  table.Set(track, static_cast<int>(lines_.size()));
+  lines_.emplace_back().camera = camera;
+  return lines_.back();
+}
+
+ImageStillnessTest ImageStillness::Test(std::span<const WindowCamera> cameras,
+                                        std::span<const FrameObservations> frames,
+                                        const StillnessOptions& options, Words words) {
   ImageStillnessTest test;
   Status s = options.Validate();
   for (std::size_t k = 0; s.ok() && k < cameras.size(); ++k)
@@ -55,11 +59,14 @@ ImageStillnessTest TestImageStillness(std::span<const WindowCamera> cameras,
     }
   }
   if (!s.ok()) {
-    test.verdict = internal::InvalidInput(s);
+    test.verdict = InvalidInput(s);
     return test;
   }
 
-  std::map<std::pair<int, std::int64_t>, Line> lines;
+  lines_.clear();
+  line_of_track_.resize(cameras.size());
+  for (TrackTable& table : line_of_track_)
+    table.Clear();
   for (const FrameObservations& frame : frames) {
     const double t = SecondsBetween(frames.front().stamp_ns, frame.stamp_ns);
     for (const FrameObservation& o : frame.observations) {
@@ -69,12 +76,12 @@ ImageStillnessTest TestImageStillness(std::span<const WindowCamera> cameras,
       }
       // About the principal point: fewer digits are lost.
       const WindowCamera& c = cameras[static_cast<std::size_t>(o.camera)];
-      lines[{o.camera, o.track}].Add(t, o.u - c.cx, o.v - c.cy);
+      LineOf(o.camera, o.track).Add(t, o.u - c.cx, o.v - c.cy);
     }
   }
-  for (const auto& [key, line] : lines) {
+  for (const Line& line : lines_) {
     if (line.n < 2) continue;
-    const WindowCamera& c = cameras[static_cast<std::size_t>(key.first)];
+    const WindowCamera& c = cameras[static_cast<std::size_t>(line.camera)];
     const double sigma2 = c.sigma_px * c.sigma_px;
     const double tremble_u = c.fx * options.tremble_angle, tremble_v = c.fy * options.tremble_angle;
     const double chi2 = line.Chi2(sigma2 + tremble_u * tremble_u, sigma2 + tremble_v * tremble_v);
@@ -82,21 +89,29 @@ ImageStillnessTest TestImageStillness(std::span<const WindowCamera> cameras,
     if (!(chi2 <= kChi2Median)) ++test.moved;
   }
   if (test.tracks < kMinTracks) {
-    test.verdict = internal::Refusal(InitReason::kTooFewTracks, test.tracks, kMinTracks,
-                                     "number of tracks seen twice", "");
+    test.verdict = Refusal(InitReason::kTooFewTracks, test.tracks, kMinTracks,
+                           "number of tracks seen twice", "", words);
     return test;
   }
   const double p = 0.5 + 0.5 * kWrongShare;
   const double spread = std::sqrt(test.tracks * p * (1.0 - p));
-  const double z = internal::NormalQuantile(options.false_alarm);
+  const double z = NormalQuantile(options.false_alarm);
   test.max_moved = static_cast<int>(std::floor(test.tracks * p + z * spread));
   // A few tracks that all move must be able to say so.
   test.max_moved = std::min(test.max_moved, test.tracks - 1);
   if (test.moved > test.max_moved) {
-    test.verdict = internal::Refusal(InitReason::kMoving, test.moved, test.max_moved,
-                                     "number of tracks that move in the images", "");
+    test.verdict = Refusal(InitReason::kMoving, test.moved, test.max_moved,
+                           "number of tracks that move in the images", "", words);
   }
   return test;
+}
+
+}  // namespace internal
+
+ImageStillnessTest TestImageStillness(std::span<const WindowCamera> cameras,
+                                      std::span<const FrameObservations> frames,
+                                      const StillnessOptions& options) {
+  return internal::ImageStillness().Test(cameras, frames, options, internal::Words::kYes);
 }
 
 }  // namespace glissade

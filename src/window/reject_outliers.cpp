@@ -16,11 +16,11 @@ Status SlidingWindow::RejectOutliers() {
   for (WindowLandmark& landmark : w.Landmarks()) {
     if (!landmark.InGraph()) continue;
     const Vector3 X = w.problem.Get(landmark.point).p();
-    int left = 0;
+    int left = 0, next = 0;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < landmark.observations.size(); ++i) {
-      const LandmarkObservation o = landmark.observations[i];
-      const int frame = w.FrameIndex(o.frame);
+      const LandmarkObservation& o = landmark.observations[i];
+      const int frame = w.NextFrameIndex(o.frame, &next);
       const CameraInWorld& at = w.CameraOf(frame, o.camera);
       const WindowCamera& camera = w.options.cameras[Index(o.camera)];
       const Vector3 x = at.R_c_w * (X - at.T_w_c.p());
@@ -29,7 +29,8 @@ Status SlidingWindow::RejectOutliers() {
       // Not finite, behind the camera: does not fit either.
       if (x[2] > 0.0 && du * du + dv * dv <= w.options.max_chi2) {
         if (o.edge.slot != kNullSlot) ++left;
-        landmark.observations[kept++] = o;
+        if (kept != i) landmark.observations[kept] = o;
+        ++kept;
         continue;
       }
       w.Count(WindowEvent::kObservationRejected);

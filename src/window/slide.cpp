@@ -55,20 +55,25 @@ void SlidingWindow::Impl::CompletePlan() {
 /// Observations that a prior is not to know: of landmarks that stay, those in frames that leave; of
 /// landmarks that leave, those in frames that are dropped.
 Status SlidingWindow::Impl::DropObservations() {
+  const bool all_stay = std::all_of(fates.begin(), fates.end(),
+                                    [](FrameFate fate) { return fate == FrameFate::kStays; });
+  if (all_stay && plan.marginalize_landmarks.empty()) return {};
   for (std::size_t l = 0; l < num_landmarks; ++l) {
     const bool leaves = Holds(plan.marginalize_landmarks, static_cast<int>(l));
     WindowLandmark& landmark = landmarks[l];
     std::size_t kept = 0;
-    int in_graph = 0;
+    int in_graph = 0, at = 0;
     for (std::size_t i = 0; i < landmark.observations.size(); ++i) {
       const LandmarkObservation& o = landmark.observations[i];
-      const FrameFate fate = fates[Index(FrameIndex(o.frame))];
+      const int frame = NextFrameIndex(o.frame, &at);
+      const FrameFate fate = fates[Index(frame)];
       if (fate == FrameFate::kStays || (fate == FrameFate::kMarginalized && leaves)) {
         in_graph += o.edge.slot != kNullSlot ? 1 : 0;
-        landmark.observations[kept++] = o;
+        if (kept != i) landmark.observations[kept] = o;
+        ++kept;
       } else if (o.edge.slot != kNullSlot) {
         if (Status s = problem.RemoveEdge(o.edge); !s.ok()) return s;
-        --frames[Index(FrameIndex(o.frame))].num_observations;
+        --frames[Index(frame)].num_observations;
       }
     }
     landmark.observations.resize(kept);

@@ -22,6 +22,7 @@ SlidingWindow::Impl::Impl(SlidingWindowOptions o)
 }
 
 int SlidingWindow::Impl::FrameIndex(std::int64_t id) const {
+  if (!frames.empty() && frames.back().id == id) return static_cast<int>(frames.size()) - 1;
   const auto at =
       std::lower_bound(frames.begin(), frames.end(), id,
                        [](const WindowFrame& frame, std::int64_t x) { return frame.id < x; });
@@ -131,6 +132,10 @@ Status SlidingWindow::Solve(const WindowBudget& budget) {
   options.max_time_s = budget.max_time_s;
   options.cost_tolerance = w.options.cost_tolerance;
   options.initial_lambda = 1e-6;
+  // No rule here, so that the last step need not be linearized.
+  options.gradient_tolerance = 0.0;
+  // Associate() has seen to it.
+  options.allow_duplicate_observations = true;
   options.gauge = w.WindowGauge();
   w.summary = &w.problem.Solve(options);
   if (!w.summary->ok()) {

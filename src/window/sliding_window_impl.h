@@ -13,6 +13,7 @@
 #include "glissade/problem/problem.h"
 #include "glissade/window/sliding_window.h"
 #include "window/clock_watch.h"
+#include "window/stillness_test.h"
 #include "window/track_table.h"
 
 namespace glissade {
@@ -72,6 +73,7 @@ struct SlidingWindow::Impl {
   std::vector<SeenFrame> seen;
   std::vector<FrameObservations> seen_views;
   std::vector<FrameObservation> anchor_seen, newest_seen;
+  internal::ImageStillness image_stillness;
   InitVerdict init_verdict;
   std::int64_t anchor_frame = -1;  ///< where the body has stood still since; -1: it does not
   double standing_angle = 0.0;     ///< sigma of a standing body's tremble (rad)
@@ -89,6 +91,13 @@ struct SlidingWindow::Impl {
   }
   /// -1 where the frame has left.
   [[nodiscard]] int FrameIndex(std::int64_t id) const;
+  /// The same for ids in rising order: *at is where the last one was, 0 at first.
+  [[nodiscard]] int NextFrameIndex(std::int64_t id, int* at) const {
+    const int count = static_cast<int>(frames.size());
+    while (*at < count && frames[static_cast<std::size_t>(*at)].id < id)
+      ++*at;
+    return *at < count && frames[static_cast<std::size_t>(*at)].id == id ? *at : -1;
+  }
   void Count(WindowEvent event, std::int64_t times = 1);
   /// Counts a frame that is refused.
   Status Refused(Status why);

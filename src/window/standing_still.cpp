@@ -61,10 +61,13 @@ std::span<const FrameObservations> SlidingWindow::Impl::SeenSince(std::int64_t s
 
 bool SlidingWindow::Impl::StandsStill(std::int64_t stamp_ns) {
   if (!imu.Between(stamp_ns - kJudgedNs, stamp_ns, &interval).ok()) return false;
-  const StillnessTest test = TestStillness(interval.samples, *options.imu_noise, options.stillness);
+  const StillnessTest test = internal::TestStillness(interval.samples, *options.imu_noise,
+                                                     options.stillness, internal::Words::kNone);
   if (!test.verdict.ok()) return false;
   standing_angle = std::min(AngleToExpect(test), options.stillness.tremble_angle);
-  return TestImageStillness(options.cameras, SeenSince(stamp_ns - kJudgedNs), options.stillness)
+  return image_stillness
+      .Test(options.cameras, SeenSince(stamp_ns - kJudgedNs), options.stillness,
+            internal::Words::kNone)
       .verdict.ok();
 }
 
@@ -86,8 +89,8 @@ bool SlidingWindow::Impl::StandsWhereItBegan(std::int64_t anchor_id) {
     }
   }
   const FrameObservations both[2] = {{anchor.stamp_ns, anchor_seen}, {frame.stamp_ns, newest_seen}};
-  return TestImageStillness(options.cameras, both, options.stillness).verdict.reason !=
-         InitReason::kMoving;
+  return image_stillness.Test(options.cameras, both, options.stillness, internal::Words::kNone)
+             .verdict.reason != InitReason::kMoving;
 }
 
 Status SlidingWindow::UseStillness() {

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "glissade/base/validate.h"
 #include "window/quantiles.h"
+#include "window/stillness_test.h"
 #include "window/verdicts.h"
 
 namespace glissade {
@@ -17,25 +17,31 @@ namespace glissade {
 namespace {
 
 using internal::Refusal;
+using internal::Words;
 
 /// More blocks than this are made longer: the matrices grow with their square.
 constexpr int kMaxBlocks = 50;
 constexpr int kMinBlocks = 4;
 
+// On the stack.
+using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxBlocks, 1>;
+using Vectors = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMaxBlocks, 3>;
+using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxBlocks, kMaxBlocks>;
+
 /// Integrals of rate and force over blocks, the last block first: time runs backward from the last
 /// sample, where the biases are wanted.
 struct Blocks {
-  Eigen::VectorXd length;            ///< s
-  Eigen::MatrixX3d angle, velocity;  ///< rows: blocks
+  Values length;            ///< s
+  Vectors angle, velocity;  ///< rows: blocks
 };
 
 InitVerdict CheckSamples(std::span<const ImuSample> samples, const ImuNoise& noise,
-                         const StillnessOptions& options) {
+                         const StillnessOptions& options, Words words) {
   for (std::size_t k = 0; k < samples.size(); ++k) {
     if (!internal::AllFinite(samples[k].gyro.data(), 3) ||
         !internal::AllFinite(samples[k].accel.data(), 3)) {
       return Refusal(InitReason::kNotFinite, static_cast<double>(k), 0.0, "index of an IMU sample",
-                     "");
+                     "", words);
     }
   }
   for (std::size_t k = 1; k < samples.size(); ++k) {
@@ -47,13 +53,14 @@ InitVerdict CheckSamples(std::span<const ImuSample> samples, const ImuNoise& noi
       samples.empty() ? 0.0 : SecondsBetween(samples.front().stamp_ns, samples.back().stamp_ns);
   if (duration < options.min_duration_s) {
     return Refusal(InitReason::kTooFewSamples, duration, options.min_duration_s,
-                   "span of the IMU samples", "s");
+                   "span of the IMU samples", "s", words);
   }
   for (std::size_t k = 1; k < samples.size(); ++k) {
     const std::int64_t step = NanosecondsBetween(samples[k - 1].stamp_ns, samples[k].stamp_ns);
     if (step > noise.max_gap_ns) {
       return Refusal(InitReason::kImuGap, 1e-9 * static_cast<double>(step),
-                     1e-9 * static_cast<double>(noise.max_gap_ns), "time without a reading", "s");
+                     1e-9 * static_cast<double>(noise.max_gap_ns), "time without a reading", "s",
+                     words);
     }
   }
   const auto saturated = std::count_if(samples.begin(), samples.end(), [](const ImuSample& s) {
@@ -61,7 +68,7 @@ InitVerdict CheckSamples(std::span<const ImuSample> samples, const ImuNoise& noi
   });
   if (saturated > 0) {
     return Refusal(InitReason::kImuSaturated, static_cast<double>(saturated), 0.0,
-                   "number of samples at the end of the range", "");
+                   "number of samples at the end of the range", "", words);
   }
   return {};
 }
@@ -87,9 +94,9 @@ Blocks Integrate(std::span<const ImuSample> samples, int count) {
 
 /// Of what the sensor adds to the integrals: white noise, and a bias that starts from what is
 /// sought and walks.
-Eigen::MatrixXd SensorCovariance(const Eigen::VectorXd& length, double density, double walk) {
+Square SensorCovariance(const Values& length, double density, double walk) {
   const Eigen::Index n = length.size();
-  Eigen::MatrixXd C(n, n);
+  Square C(n, n);
   double start_k = 0.0;
   for (Eigen::Index k = 0; k < n; ++k) {
     const double h = length[k];
@@ -110,25 +117,24 @@ struct Fit {
 };
 
 /// y_k = mean h_k + e_k, by generalised least squares with cov(e) = C + tremble^2 D D'.
-Fit FitConstant(const Eigen::VectorXd& length, const Eigen::MatrixX3d& y, const Eigen::MatrixXd& C,
-                double tremble) {
-  Eigen::MatrixXd S = C;
+Fit FitConstant(const Values& length, const Vectors& y, const Square& C, double tremble) {
+  Square S = C;
   const double t2 = tremble * tremble;
   S.diagonal().array() += 2.0 * t2;
   S.diagonal(1).array() -= t2;
   S.diagonal(-1).array() -= t2;
-  const Eigen::LLT<Eigen::MatrixXd> llt(S);
+  const Eigen::LLT<Square> llt(S);
   Fit fit;
   if (llt.info() != Eigen::Success) {
     fit.chi2 = std::numeric_limits<double>::infinity();
     return fit;
   }
-  const Eigen::VectorXd h = llt.matrixL().solve(length);
-  const Eigen::MatrixX3d z = llt.matrixL().solve(y);
+  const Values h = llt.matrixL().solve(length);
+  const Vectors z = llt.matrixL().solve(y);
   fit.variance = 1.0 / h.squaredNorm();
   fit.mean = fit.variance * z.transpose() * h;
   fit.chi2 = (z - h * fit.mean.transpose()).squaredNorm();
-  const double log_det = 2.0 * Eigen::MatrixXd(llt.matrixL()).diagonal().array().log().sum();
+  const double log_det = 2.0 * llt.matrixLLT().diagonal().array().log().sum();
   fit.log_likelihood = -0.5 * fit.chi2 - 1.5 * log_det + 1.5 * std::log(fit.variance);
   return fit;
 }
@@ -139,8 +145,8 @@ constexpr double kSignificant = 0.5 * 3.84;
 
 /// The likeliest tremble up to `most`, on a grid of factors of 2, and the fit with it; none where
 /// the readings do not ask for one.
-double LikeliestTremble(const Blocks& blocks, const Eigen::MatrixX3d& y, const Eigen::MatrixXd& C,
-                        double most, Fit* best) {
+double LikeliestTremble(const Blocks& blocks, const Vectors& y, const Square& C, double most,
+                        Fit* best) {
   double tremble = 0.0;
   *best = FitConstant(blocks.length, y, C, 0.0);
   double likeliest = best->log_likelihood + kSignificant;
@@ -168,8 +174,8 @@ Status StillnessOptions::Validate() const {
   return {};
 }
 
-StillnessTest TestStillness(std::span<const ImuSample> samples, const ImuNoise& noise,
-                            const StillnessOptions& options) {
+StillnessTest internal::TestStillness(std::span<const ImuSample> samples, const ImuNoise& noise,
+                                      const StillnessOptions& options, Words words) {
   StillnessTest test;
   for (const Status& s : {options.Validate(), noise.Validate()}) {
     if (!s.ok()) {
@@ -177,21 +183,21 @@ StillnessTest TestStillness(std::span<const ImuSample> samples, const ImuNoise& 
       return test;
     }
   }
-  test.verdict = CheckSamples(samples, noise, options);
+  test.verdict = CheckSamples(samples, noise, options, words);
   if (!test.verdict.ok()) return test;
   test.duration_s = SecondsBetween(samples.front().stamp_ns, samples.back().stamp_ns);
   const double wanted = std::min(test.duration_s / options.block_s, double{kMaxBlocks});
   const int count = std::max(static_cast<int>(std::lround(wanted)), kMinBlocks);
   if (samples.size() < static_cast<std::size_t>(2 * count + 1)) {
     test.verdict = Refusal(InitReason::kTooFewSamples, static_cast<double>(samples.size()),
-                           2.0 * count + 1.0, "number of IMU samples", "");
+                           2.0 * count + 1.0, "number of IMU samples", "", words);
     return test;
   }
 
   const Blocks blocks = Integrate(samples, count);
-  const Eigen::MatrixXd C_gyro =
+  const Square C_gyro =
       SensorCovariance(blocks.length, noise.gyro_noise_density, noise.gyro_random_walk);
-  const Eigen::MatrixXd C_accel =
+  const Square C_accel =
       SensorCovariance(blocks.length, noise.accel_noise_density, noise.accel_random_walk);
   test.gyro_chi2 = FitConstant(blocks.length, blocks.angle, C_gyro, options.tremble_angle).chi2;
   test.accel_chi2 =
@@ -210,15 +216,20 @@ StillnessTest TestStillness(std::span<const ImuSample> samples, const ImuNoise& 
   // In this form a NaN does not pass.
   if (!(test.gyro_chi2 <= test.max_chi2)) {
     test.verdict = Refusal(InitReason::kMoving, test.gyro_chi2, test.max_chi2,
-                           "chi2 of the angles that a constant rate leaves", "");
+                           "chi2 of the angles that a constant rate leaves", "", words);
   } else if (!(test.accel_chi2 <= test.max_chi2)) {
     test.verdict = Refusal(InitReason::kMoving, test.accel_chi2, test.max_chi2,
-                           "chi2 of the velocities that a constant force leaves", "");
+                           "chi2 of the velocities that a constant force leaves", "", words);
   } else if (!internal::AllFinite(test.rate.data(), 3) ||
              !internal::AllFinite(test.force.data(), 3)) {
     test.verdict = {InitReason::kNotFinite, 0.0, 0.0, "mean of the IMU samples overflows"};
   }
   return test;
+}
+
+StillnessTest TestStillness(std::span<const ImuSample> samples, const ImuNoise& noise,
+                            const StillnessOptions& options) {
+  return internal::TestStillness(samples, noise, options, internal::Words::kYes);
 }
 
 }  // namespace glissade

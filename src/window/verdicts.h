@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 
@@ -10,9 +11,14 @@
 
 namespace glissade::internal {
 
+/// Whether a verdict says why for people too: a string, and so an allocation. Who asks at every
+/// frame goes without.
+enum class Words : std::uint8_t { kYes, kNone };
+
 /// "what: figure unit, limit limit unit".
 inline InitVerdict Refusal(InitReason reason, double figure, double limit, const char* what,
-                           const char* unit) {
+                           const char* unit, Words words = Words::kYes) {
+  if (words == Words::kNone) return {reason, figure, limit, {}};
   std::array<char, 256> line;
   std::snprintf(line.data(), line.size(), ": %s is %.4g %s, the limit %.4g", what, figure, unit,
                 limit);
