@@ -18,6 +18,7 @@
 #include "glissade/io/viotracks.h"
 #include "replay/batch.h"
 #include "replay/causal_run.h"
+#include "replay/consistency.h"
 #include "replay/judge.h"
 #include "replay/report.h"
 #include "studies/parallel_trials.h"
@@ -68,6 +69,7 @@ struct Settings {
   std::string first_estimates = "full";
   double rpe_length_m = 0.0;
   bool batch = false;
+  bool consistency = false;
   std::string out, states, json;
 };
 
@@ -104,6 +106,8 @@ void AddOptions(Program& program, Settings& s) {
             "Of the pieces for RPE in percent (m; default: see below)");
   cli.add_flag("--batch", s.batch,
                "Solve the same data as one big problem too: the bound for a window");
+  cli.add_flag("--consistency", s.consistency,
+               "Hold the covariance of each newest pose against its error (NEES)");
   cli.add_flag("--wall", s.replay.wall_clock, "Times of the clock on the wall");
   program.AddOutputFile("--out", &s.out, "Write the trajectory (TUM) to FILE");
   program.AddOutput("--states", &s.states, "Write states, sigmas, window sizes (CSV) to FILE");
@@ -129,7 +133,7 @@ Outcome Run(Settings& settings) {
   replay.first_estimates = settings.first_estimates == "off"     ? FirstEstimates::kOff
                            : settings.first_estimates == "prior" ? FirstEstimates::kPriorOnly
                                                                  : FirstEstimates::kFull;
-  replay.covariance = !settings.states.empty();
+  replay.covariance = settings.consistency || !settings.states.empty();
   replay.observations = settings.batch;
   const auto window = WindowOptions(*recording, replay);
   if (!window.ok()) return BadInput(settings.folder + ": " + window.status().message());
@@ -147,6 +151,14 @@ Outcome Run(Settings& settings) {
 
   nlohmann::ordered_json json = JsonHeader(kName, settings.folder);
   AddRun(*run, errors, &json);
+  if (settings.consistency) {
+    const bool on_frames_clock = OnFramesClock(*recording);
+    const auto consistency =
+        ConsistencyOf(*run, *recording, on_frames_clock ? replay.time_offset_s : 0.0,
+                      window->imu_noise.has_value());
+    PrintConsistency(consistency);
+    json["consistency"] = ToJson(consistency);
+  }
   json["policy"] = replay.policy;
   json["cameras"] = window->cameras.size();
   json["imu"] = window->imu_noise.has_value();

@@ -13,6 +13,10 @@
 #include <set>
 #include <utility>
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
 #include "common/interrupt.h"
 #include "glissade/io/replay.h"
 #include "glissade/minimizer/summary.h"
@@ -91,6 +95,16 @@ void CollectRejected(const std::set<ObservationKey>& before, const std::set<Obse
   }
 }
 
+/// By malloc, at present; 0 where it does not say.
+double AllocatedBytes() {
+#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+#else
+  return 0.0;
+#endif
+}
+
 bool IsFinite(const WindowState& state) {
   double sum = 0.0;
   for (const double x : state.T_w_b.data)
@@ -135,6 +149,15 @@ class Runner {
   }
 
   CausalRun Finish() {
+    // All that was allocated since, but for what a run remembers.
+    const double remembered =
+        static_cast<double>(run_.estimates.capacity() * sizeof(FrameEstimate) +
+                            sizeof(double) * (run_.ms.total.capacity() + run_.ms.add.capacity() +
+                                              run_.ms.solve.capacity() + run_.ms.reject.capacity() +
+                                              run_.ms.slide.capacity()));
+    if (const double now = AllocatedBytes(); now > 0.0) {
+      run_.window_mb = 1e-6 * std::max(0.0, now - allocated_before_ - remembered);
+    }
     run_.events = window_.total_events();
     std::sort(run_.rejected_keys.begin(), run_.rejected_keys.end());
     return std::move(run_);
@@ -197,6 +220,7 @@ class Runner {
     for (const WindowFrame& frame : view.frames)
       estimate.num_observations += frame.num_observations;
     estimate.sigmas.fill(kNaN);
+    estimate.pose_covariance.fill(kNaN);
     if (settings_.covariance) ReadSigmas(&estimate);
     run_.estimates.push_back(estimate);
   }
@@ -205,11 +229,14 @@ class Runner {
     const std::size_t n = has_imu_ ? 15 : 6;
     std::vector<double> covariance(n * n);
     if (!window_.NewestCovariance(covariance).ok()) return;
+    for (std::size_t k = 0; k < 36; ++k)
+      estimate->pose_covariance[k] = covariance[n * (k / 6) + k % 6];
     for (std::size_t k = 0; k < n; ++k)
       estimate->sigmas[k] = std::sqrt(std::max(0.0, covariance[k * n + k]));
   }
 
   const ReplaySettings& settings_;
+  double allocated_before_ = AllocatedBytes();
   bool has_imu_;
   std::int64_t first_stamp_ns_;
   std::shared_ptr<PolicyWithClock> policy_;

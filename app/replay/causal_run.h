@@ -41,7 +41,8 @@ struct FrameEstimate {
   WindowState state;
   /// The window's oldest frame, in whose gauge (its position and yaw exact) sigmas are.
   eval::StampedPose oldest;
-  std::array<double, 15> sigmas{};  ///< p, theta, v, ba, bg; NaN where not known
+  std::array<double, 15> sigmas{};           ///< p, theta, v, ba, bg; NaN where not known
+  std::array<double, 36> pose_covariance{};  ///< of p, theta; row-major, NaN where not known
   int num_frames = 0, num_landmarks = 0, num_observations = 0;
   double ms = 0.0;  ///< that the frame took
 };
@@ -69,6 +70,8 @@ struct CausalRun {
   StageTimes ms;
   WindowEventCounts events;
   std::int64_t frames_delivered = 0, frames_refused = 0, solves_failed = 0;
+  /// What the window had allocated at the end, graph and storage of its steps; 0: not known here.
+  double window_mb = 0.0;
   std::string first_refusal;                  ///< of a frame or a solve; empty: none
   std::optional<double> initialized_at_s;     ///< after the first frame
   std::vector<ObservationKey> rejected_keys;  ///< sorted; with ReplaySettings::observations

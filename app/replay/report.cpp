@@ -105,6 +105,7 @@ void AddRun(const CausalRun& run, const std::optional<TrajectoryErrors>& errors,
   j["landmarks"] = run.events[WindowEvent::kLandmarkTriangulated];
   j["window_frames_mean"] = MeanOf(run, &FrameEstimate::num_frames);
   j["window_landmarks_mean"] = MeanOf(run, &FrameEstimate::num_landmarks);
+  j["window_mb"] = run.window_mb;
   j["window_observations_mean"] = MeanOf(run, &FrameEstimate::num_observations);
   j["stages_ms"] = nlohmann::ordered_json::object();
   for (const Stage& stage : StagesOf(run.ms)) {
@@ -112,6 +113,24 @@ void AddRun(const CausalRun& run, const std::optional<TrajectoryErrors>& errors,
                                   {"p99", Quantile(*stage.ms, 0.99)},
                                   {"max", Quantile(*stage.ms, 1.0)}};
   }
+}
+
+void PrintConsistency(const std::optional<Consistency>& c) {
+  if (c) {
+    Print(
+        "\nNEES of the newest pose, seen from the window's oldest frame, 3 expected: position "
+        "{:.2f}, rotation {:.2f} ({} frames)\n",
+        c->nees_position, c->nees_rotation, c->frames);
+  } else {
+    Print("\nNEES: the recording has no true poses to hold the covariance against\n");
+  }
+}
+
+nlohmann::ordered_json ToJson(const std::optional<Consistency>& c) {
+  if (!c) return nullptr;
+  return {{"nees_position", c->nees_position},
+          {"nees_rotation", c->nees_rotation},
+          {"frames", c->frames}};
 }
 
 nlohmann::ordered_json ToJson(const BatchSolution& batch,

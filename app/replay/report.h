@@ -8,15 +8,18 @@
 
 #include "replay/batch.h"
 #include "replay/causal_run.h"
+#include "replay/consistency.h"
 #include "replay/judge.h"
 
 namespace glissade::app {
 
 /// A run as text for people, and as what the JSON file has after its header.
 void PrintRun(const CausalRun& run, const std::optional<TrajectoryErrors>& errors);
+void PrintConsistency(const std::optional<Consistency>& consistency);
 void PrintBatch(const BatchSolution& batch, const std::optional<TrajectoryErrors>& errors);
 void AddRun(const CausalRun& run, const std::optional<TrajectoryErrors>& errors,
             nlohmann::ordered_json* json);
+nlohmann::ordered_json ToJson(const std::optional<Consistency>& consistency);
 nlohmann::ordered_json ToJson(const BatchSolution& batch,
                               const std::optional<TrajectoryErrors>& errors);
 

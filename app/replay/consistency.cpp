@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "replay/consistency.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "glissade/eval/alignment.h"
+#include "glissade/eval/nees.h"
+#include "glissade/lie/so3.h"
+#include "replay/judge.h"
+
+namespace glissade::app {
+
+namespace {
+
+/// Further apart than this, two true poses do not tell what was between them.
+constexpr std::int64_t kMaxGapNs = 100'000'000;
+
+/// The true pose at a stamp.
+std::optional<Pose> At(std::span<const eval::StampedPose> truth, std::int64_t stamp_ns) {
+  const auto after = std::lower_bound(
+      truth.begin(), truth.end(), stamp_ns,
+      [](const eval::StampedPose& pose, std::int64_t t) { return pose.stamp_ns < t; });
+  if (after == truth.end()) return {};
+  if (after->stamp_ns == stamp_ns) return after->T_w_b;
+  if (after == truth.begin() || after->stamp_ns - (after - 1)->stamp_ns > kMaxGapNs) return {};
+  return eval::Interpolate(*(after - 1), *after, stamp_ns).T_w_b;
+}
+
+}  // namespace
+
+std::optional<Consistency> ConsistencyOf(const CausalRun& run, const Viotracks& recording,
+                                         double time_offset_s, bool has_imu) {
+  const eval::Trajectory truth = ReferenceOf(recording);
+  const std::int64_t shift = std::llround(1e9 * time_offset_s);
+  Consistency c;
+  for (const FrameEstimate& estimate : run.estimates) {
+    const auto oldest = At(truth, estimate.oldest.stamp_ns - shift);
+    const auto newest = At(truth, estimate.state.stamp_ns - shift);
+    if (!oldest || !newest) continue;
+    const Pose T_r_w = has_imu ? eval::AlignPose(estimate.oldest.T_w_b, *oldest).T_r_e
+                               : *oldest * estimate.oldest.T_w_b.Inverse();
+    const Pose aligned = T_r_w * estimate.state.T_w_b;
+    const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> P(
+        estimate.pose_covariance.data());
+    const Eigen::Vector3d p = aligned.p() - newest->p();
+    const Eigen::Vector3d theta = so3::Log(Quaternion(newest->q().conjugate() * aligned.q()));
+    const Eigen::Matrix3d R = T_r_w.R();
+    const Eigen::Matrix3d P_position = R * P.topLeftCorner<3, 3>() * R.transpose();
+    const Eigen::Matrix3d P_rotation = P.bottomRightCorner<3, 3>();
+    const auto position = eval::Nees(p, P_position);
+    const auto rotation = eval::Nees(theta, P_rotation);
+    if (!position.ok() || !rotation.ok()) continue;  // the oldest frame itself, or no covariance
+    c.nees_position += *position;
+    c.nees_rotation += *rotation;
+    ++c.frames;
+  }
+  if (c.frames == 0) return {};
+  c.nees_position /= static_cast<double>(c.frames);
+  c.nees_rotation /= static_cast<double>(c.frames);
+  return c;
+}
+
+}  // namespace glissade::app

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "glissade/io/viotracks.h"
+#include "replay/causal_run.h"
+
+namespace glissade::app {
+
+/// Whether the newest states are as wrong as their covariance says: the normalized estimation error
+/// squared in the gauge of the window's oldest frame, in the mean over the frames that have a true
+/// pose. 3 is expected; more says that the covariance is too small.
+struct Consistency {
+  double nees_position = 0.0;
+  double nees_rotation = 0.0;
+  std::size_t frames = 0;
+};
+
+/// Of a run with ReplaySettings::covariance; absent where the recording has no truth to hold it
+/// against. Stamps of estimates are moved by -time_offset_s to those of the truth.
+std::optional<Consistency> ConsistencyOf(const CausalRun& run, const Viotracks& recording,
+                                         double time_offset_s, bool has_imu);
+
+}  // namespace glissade::app
