@@ -58,15 +58,17 @@ ate = "-" if r[ate_key] is None else f"{r[ate_key]:.3g}"
 line = (f"| {name} | {policy} | {ate} | {show('rpe_percent', 2)}, {r['rpe_length_m']:g} m | "
         f"{show('yaw_drift_deg', 2)} | ")
 if policy == "batch":
-    print(f"{line}| | {r['left_out']} | {r['frames']} |")
+    print(f"{line}| | {r['left_out']} | {r['frames']} | | |")
 else:
+    c = r["consistency"]
+    nees = f"{c['nees_position']:.1f}, {c['nees_rotation']:.1f}" if c else "-"
     print(f"{line}{r['ms_median']:.2f} / {r['ms_p99']:.2f} | {r['marginalize_ms_median']:.2f} | "
-          f"{r['rejected']} | {r['window_frames_mean']:.1f} |")
+          f"{r['rejected']} | {r['window_frames_mean']:.1f} | {nees} | {r['window_mb']:.1f} |")
 PYTHON
 }
 
-rows="| recording | policy | ATE [m] | RPE [%] over | yaw drift [deg] | ms per frame, median / 99 % | of it marginalization | rejected | frames in the window |
-|---|---|---|---|---|---|---|---|---|"
+rows="| recording | policy | ATE [m] | RPE [%] over | yaw drift [deg] | ms per frame, median / 99 % | of it marginalization | rejected | frames in the window | NEES of position, rotation | MB |
+|---|---|---|---|---|---|---|---|---|---|---|"
 for run in "${runs[@]}"; do
   IFS='|' read -r name folder options <<<"$run"
   if [[ ! -d $data/vio/$folder ]]; then
@@ -76,7 +78,7 @@ for run in "${runs[@]}"; do
   for policy in "${policies[@]}"; do
     json="$results/${folder}_${policy}${options:+_mono}.json"
     # shellcheck disable=SC2086  # options are words
-    [[ -f $json ]] || "$bin/vio_replay" "$data/vio/$folder" --policy "$policy" $options --json "$json" >/dev/null
+    [[ -f $json ]] || "$bin/vio_replay" "$data/vio/$folder" --policy "$policy" --consistency $options --json "$json" >/dev/null
     rows+=$'\n'$(row "$name" "$policy" "$json")
   done
   json="$results/${folder}_batch${options:+_mono}.json"
