@@ -9,6 +9,7 @@
 #include "glissade/base/index.h"
 #include "glissade/base/validate.h"
 #include "window/sliding_window_impl.h"
+#include "window/triangulate.h"
 
 namespace glissade {
 
@@ -23,6 +24,7 @@ WindowLandmark& SlidingWindow::Impl::LandmarkOf(std::int64_t track) {
   landmark.track = track;
   landmark.point = {};
   landmark.observations.clear();
+  landmark.observations.reserve(most_observations);
   return landmark;
 }
 
@@ -122,6 +124,7 @@ Status SlidingWindow::Associate(std::span<const FrameObservation> observations) 
       continue;
     }
     landmark.observations.push_back(observation);
+    w.most_observations = std::max(w.most_observations, landmark.observations.size());
     if (!landmark.InGraph()) continue;
     if (Status s = w.AddObservationEdge(&landmark, &landmark.observations.back()); !s.ok()) {
       landmark.observations.pop_back();
@@ -161,9 +164,11 @@ Status SlidingWindow::TriangulateTracks() {
       w.views.push_back({w.CameraOf(w.FrameIndex(o.frame), o.camera).T_w_c, o.uv,
                          camera.sigma_px / std::sqrt(camera.fx * camera.fy)});
     }
-    const auto point = Triangulate(w.views, w.options.triangulation);
-    if (!point.ok()) {
-      if (point.status().code() == StatusCode::kEvaluationFailed) {
+    TriangulatedPoint point;
+    const StatusCode code =
+        internal::TryToTriangulate(w.views, w.options.triangulation, &point).code;
+    if (code != StatusCode::kOk) {
+      if (code == StatusCode::kEvaluationFailed) {
         // One of the views is wrong, and nobody knows which: begin anew with the newest frame's.
         std::erase_if(landmark.observations,
                       [&](const LandmarkObservation& o) { return o.frame != newest; });
@@ -171,7 +176,7 @@ Status SlidingWindow::TriangulateTracks() {
       }
       continue;
     }
-    const auto vertex = w.problem.AddVertex(VertexPointXYZ{point->X_w});
+    const auto vertex = w.problem.AddVertex(VertexPointXYZ{point.X_w});
     if (!vertex.ok()) {
       static_cast<void>(w.problem.AcknowledgeRefusal());
       return vertex.status();

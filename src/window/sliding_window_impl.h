@@ -51,6 +51,7 @@ struct SlidingWindow::Impl {
 
   /// The first num_landmarks are in use; the rest keep their storage for those to come.
   std::vector<WindowLandmark> landmarks;
+  std::size_t most_observations = 0;  ///< of a landmark
   std::size_t num_landmarks = 0;
   internal::TrackTable tracks;
 
@@ -71,6 +72,7 @@ struct SlidingWindow::Impl {
   ImuInterval interval;
   /// What the images of the last frames showed, for those who ask whether they moved.
   std::vector<SeenFrame> seen;
+  std::size_t most_seen = 0;  ///< observations in a frame
   std::vector<FrameObservations> seen_views;
   std::vector<FrameObservation> anchor_seen, newest_seen;
   internal::ImageStillness image_stillness;

@@ -48,6 +48,9 @@ void SlidingWindow::Impl::Remember(std::int64_t stamp_ns,
     seen.resize(seen.size() - too_old + 1);
   }
   seen.back().stamp_ns = stamp_ns;
+  // As much as any has had, so that storage that is handed on is soon enough for each.
+  most_seen = std::max(most_seen, observations.size());
+  seen.back().observations.reserve(most_seen);
   seen.back().observations.assign(observations.begin(), observations.end());
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "glissade/window/triangulate.h"
+#include "window/triangulate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -108,19 +108,15 @@ Status CheckViews(std::span<const TriangulationView> views) {
   return {};
 }
 
-Status Refusal(StatusCode code, const char* what, double figure) {
-  return {code, std::string(what).append(std::to_string(figure))};
-}
-
 }  // namespace
 
-Result<TriangulatedPoint> Triangulate(std::span<const TriangulationView> views,
-                                      const TriangulationOptions& options) {
-  if (Status s = CheckViews(views); !s.ok()) return s;
-  TriangulatedPoint point;
+internal::TriangulationVerdict internal::TryToTriangulate(std::span<const TriangulationView> views,
+                                                          const TriangulationOptions& options,
+                                                          TriangulatedPoint* triangulated) {
+  TriangulatedPoint& point = *triangulated;
+  point = {};
   if (!NearestToRays(views, &point.X_w, &point.parallax)) {
-    return Refusal(StatusCode::kSingular, "the rays are parallel: parallax in rad ",
-                   point.parallax);
+    return {StatusCode::kSingular, "the rays are parallel: parallax in rad ", point.parallax};
   }
   for (int iteration = 0;; ++iteration) {
     Matrix3 H = Matrix3::Zero();
@@ -132,8 +128,7 @@ Result<TriangulatedPoint> Triangulate(std::span<const TriangulationView> views,
       Matrix<2, 3> J;
       double depth = 0.0;
       if (!Linearize(view, point.X_w, &r, &J, &depth)) {
-        return Refusal(StatusCode::kEvaluationFailed, "the point is in a camera's plane: depth ",
-                       depth);
+        return {StatusCode::kEvaluationFailed, "the point is in a camera's plane: depth ", depth};
       }
       H += J.transpose() * J;
       b -= J.transpose() * r;
@@ -141,8 +136,7 @@ Result<TriangulatedPoint> Triangulate(std::span<const TriangulationView> views,
       point.max_chi2 = std::max(point.max_chi2, r.squaredNorm());
     }
     if (!InvertSymmetric(H, &point.covariance)) {
-      return Refusal(StatusCode::kSingular, "the rays are parallel: parallax in rad ",
-                     point.parallax);
+      return {StatusCode::kSingular, "the rays are parallel: parallax in rad ", point.parallax};
     }
     const Vector3 dx = point.covariance * b;
     const double promised = b.dot(dx);  // (dx in sigmas)^2
@@ -150,17 +144,17 @@ Result<TriangulatedPoint> Triangulate(std::span<const TriangulationView> views,
       point.X_w += dx;
       continue;
     }
-    if (!std::isfinite(promised)) return Status(StatusCode::kNotFinite, "triangulated point");
+    if (!std::isfinite(promised)) return {StatusCode::kNotFinite, "triangulated point: ", promised};
     if (!(least_depth >= options.min_depth)) {
-      return Refusal(StatusCode::kEvaluationFailed, "the point is behind a camera or too near: m ",
-                     least_depth);
+      return {StatusCode::kEvaluationFailed, "the point is behind a camera or too near: m ",
+              least_depth};
     }
     if (promised > 1.0) {
-      return Refusal(StatusCode::kSingular, "no minimum nearby: last step in sigmas ",
-                     std::sqrt(promised));
+      return {StatusCode::kSingular, "no minimum nearby: last step in sigmas ",
+              std::sqrt(promised)};
     }
     if (point.max_chi2 > options.max_chi2) {
-      return Refusal(StatusCode::kEvaluationFailed, "a view does not fit: chi2 ", point.max_chi2);
+      return {StatusCode::kEvaluationFailed, "a view does not fit: chi2 ", point.max_chi2};
     }
     break;
   }
@@ -168,10 +162,19 @@ Result<TriangulatedPoint> Triangulate(std::span<const TriangulationView> views,
   const double distance = ray.norm();
   point.relative_sigma = std::sqrt(ray.dot(point.covariance * ray)) / (distance * distance);
   if (!(point.relative_sigma <= options.max_relative_sigma)) {
-    return Refusal(StatusCode::kSingular, "the distance is not known: sigma / distance ",
-                   point.relative_sigma);
+    return {StatusCode::kSingular, "the distance is not known: sigma / distance ",
+            point.relative_sigma};
   }
-  return point;
+  return {};
+}
+
+Result<TriangulatedPoint> Triangulate(std::span<const TriangulationView> views,
+                                      const TriangulationOptions& options) {
+  if (Status s = CheckViews(views); !s.ok()) return s;
+  TriangulatedPoint point;
+  const internal::TriangulationVerdict verdict = internal::TryToTriangulate(views, options, &point);
+  if (verdict.code == StatusCode::kOk) return point;
+  return Status(verdict.code, std::string(verdict.what).append(std::to_string(verdict.figure)));
 }
 
 }  // namespace glissade
