@@ -67,7 +67,8 @@ Status ViWorldOptions::Validate() const {
   for (const auto& [value, name] : not_negative) {
     if (!std::isfinite(value) || value < 0.0) return wrong(std::string(name) + " must be >= 0");
   }
-  if (num_keyframes < 2 || num_keyframes > 10000) return wrong("num_keyframes must be 2 to 10000");
+  if (num_keyframes < 2 || num_keyframes > 100000)
+    return wrong("num_keyframes must be 2 to 100000");
   if (num_points < 1 || num_points > 1000000) return wrong("num_points must be 1 to 1000000");
   if (min_observations < 1) return wrong("min_observations must be at least 1");
   if (max_depth_m < min_depth_m) return wrong("max_depth_m must not be under min_depth_m");
