@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
+#include <vector>
 
+#include "common/sanitized.h"
 #include "glissade/imu/imu_factor.h"
 #include "glissade/imu/preintegration.h"
 #include "glissade/sim/random.h"
@@ -59,13 +62,9 @@ void ExpectAgreement(const ImuNoise& noise) {
   // continuous density knows nothing of, is 0.5 % of the variance.
   const auto samples = test::Samples(100, 5'000'000);
   const Covariance ours = Preintegrate(samples, {}, noise)->covariance;
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  constexpr int kRuns = 10000;  // 1.4 % is one sigma of a variance
-#else
-  constexpr int kRuns = 2000;
-#endif
+  constexpr int kRuns = test::kSanitized ? 400 : 5000;
   const Covariance sampled = MonteCarlo(samples, noise, kRuns);
-  const double band = kRuns == 10000 ? 0.05 : 0.12;
+  const double band = 4.0 * std::sqrt(2.0 / kRuns);  // four sigmas of a variance
   for (int k = 0; k < 15; ++k)
     EXPECT_NEAR(sampled(k, k) / ours(k, k), 1.0, band) << "variance " << k;
   // All of it, in units of its own sigmas: whitened, the sampled covariance is the identity.
