@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/data_dir.h"
+#include "common/sanitized.h"
 #include "glissade/io/diagnose.h"
 #include "glissade/io/viotracks.h"
 #include "glissade/sim/recording.h"
@@ -24,7 +25,7 @@ std::string Serious(const DoctorReport& report) {
 }
 
 TEST(DataDoctorRecorded, SimulatedFlightsAreHealthy) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (std::uint64_t seed = 1; seed <= (test::kSanitized ? 2 : 20); ++seed) {
     sim::RecordingOptions options;
     options.seed = options.world.seed = seed;
     const auto data = sim::MakeRecording(options);
