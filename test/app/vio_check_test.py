@@ -7,7 +7,7 @@ import gzip
 import math
 import shutil
 
-from app_test_util import HEADER, ROOT, AppTest, data_folder, main, strict_json
+from app_test_util import HEADER, ROOT, AppTest, data_folder, main, strict_json, without_sanitizers
 
 FINDING = {"kind", "severity", "sensor", "stamp_ns", "count", "sigmas", "estimate", "sigma", "unit",
            "message", "advice"}
@@ -130,6 +130,7 @@ class VioCheck(AppTest):
             self.assertLessEqual(len(line), 100, line)
         self.check_version()
 
+    @without_sanitizers
     def test_recorded(self):
         data = data_folder()
         if data is None or not (data / "vio" / "malaga_parking6L").exists():

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "common/data_dir.h"
+#include "common/sanitized.h"
 #include "window/motion_input.h"
 
 namespace glissade {
@@ -34,6 +35,7 @@ double Median(std::vector<double> x) {
 /// Places where it moves. From the tenth frame after one on, with every frame, until two seconds
 /// are over.
 TEST_P(RecordedMotion, InitialisesWithinTwoSeconds) {
+  if (test::kSanitized) GTEST_SKIP() << "simulated motion walks through the same code";
   const auto [name, mono] = GetParam();
   const auto folder = test::DataDir() / "vio" / name;
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
