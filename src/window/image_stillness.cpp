@@ -6,7 +6,7 @@
 #include "glissade/imu/sample.h"
 #include "glissade/window/stillness.h"
 #include "window/quantiles.h"
-#include "window/stillness_test.h"
+#include "window/stillness.h"
 #include "window/verdicts.h"
 
 namespace glissade {

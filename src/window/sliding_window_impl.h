@@ -13,7 +13,7 @@
 #include "glissade/problem/problem.h"
 #include "glissade/window/sliding_window.h"
 #include "window/clock_watch.h"
-#include "window/stillness_test.h"
+#include "window/stillness.h"
 #include "window/track_table.h"
 
 namespace glissade {

@@ -9,7 +9,7 @@
 
 #include "glissade/base/validate.h"
 #include "window/quantiles.h"
-#include "window/stillness_test.h"
+#include "window/stillness.h"
 #include "window/verdicts.h"
 
 namespace glissade {

@@ -3,7 +3,6 @@
 //
 // Recordings broken on purpose: each has its finding and no other.
 #include "glissade/window/data_doctor.h"
-#include "common/sanitized.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +12,7 @@
 #include <random>
 #include <string>
 
+#include "common/sanitized.h"
 #include "window/doctor_findings.h"
 
 namespace glissade {
