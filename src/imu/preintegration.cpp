@@ -50,6 +50,73 @@ Step Integrate(const Vector3& w0, const Vector3& a0, const Vector3& w1, const Ve
   return s;
 }
 
+/// How a step carries the error state [p, theta, v | ba, bg]: rows p, theta, v of
+///
+///     A = [ I  dp_dtheta      h I | dp_dba  dp_dbg     ]
+///         [ 0  dtheta_dtheta  0   | 0       dtheta_dbg ]
+///         [ 0  dv_dtheta      I   | dv_dba  dv_dbg     ]
+///
+/// those of the biases are [0 I]; the last six columns are also what white noise does.
+struct ErrorStep {
+  double h;
+  Matrix3 dp_dtheta, dtheta_dtheta, dv_dtheta;
+  Matrix3 dp_dba, dp_dbg, dtheta_dbg, dv_dba, dv_dbg;
+
+  /// P <- A P A' + B Q B', by the blocks that are not zero.
+  void Propagate(double accel_variance, double gyro_variance, SquareMatrix<15>* covariance) const {
+    SquareMatrix<15>& P = *covariance;
+    Matrix<3, 15> p, theta, v;  // rows of A P
+    p = P.topRows<3>() + h * P.middleRows<3>(6);
+    p.noalias() += dp_dtheta.lazyProduct(P.middleRows<3>(3));
+    p.noalias() += dp_dba.lazyProduct(P.middleRows<3>(9));
+    p.noalias() += dp_dbg.lazyProduct(P.middleRows<3>(12));
+    theta.noalias() = dtheta_dtheta.lazyProduct(P.middleRows<3>(3));
+    theta.noalias() += dtheta_dbg.lazyProduct(P.middleRows<3>(12));
+    v = P.middleRows<3>(6);
+    v.noalias() += dv_dtheta.lazyProduct(P.middleRows<3>(3));
+    v.noalias() += dv_dba.lazyProduct(P.middleRows<3>(9));
+    v.noalias() += dv_dbg.lazyProduct(P.middleRows<3>(12));
+    // What noise adds is like a bias that nothing else knows of.
+    const auto ba = [&](const Matrix<3, 15>& rows, const Matrix3& by) -> Matrix3 {
+      return rows.middleCols<3>(9) + accel_variance * by;
+    };
+    const auto bg = [&](const Matrix<3, 15>& rows, const Matrix3& by) -> Matrix3 {
+      return rows.middleCols<3>(12) + gyro_variance * by;
+    };
+    const Matrix3 p_ba = ba(p, dp_dba), p_bg = bg(p, dp_dbg), theta_bg = bg(theta, dtheta_dbg),
+                  v_ba = ba(v, dv_dba), v_bg = bg(v, dv_dbg);
+    const Matrix3 pp = p.leftCols<3>() + h * p.middleCols<3>(6) +
+                       p.middleCols<3>(3) * dp_dtheta.transpose() + p_ba * dp_dba.transpose() +
+                       p_bg * dp_dbg.transpose();
+    const Matrix3 theta_p = theta.leftCols<3>() + h * theta.middleCols<3>(6) +
+                            theta.middleCols<3>(3) * dp_dtheta.transpose() +
+                            theta.middleCols<3>(9) * dp_dba.transpose() +
+                            theta_bg * dp_dbg.transpose();
+    const Matrix3 theta_theta =
+        theta.middleCols<3>(3) * dtheta_dtheta.transpose() + theta_bg * dtheta_dbg.transpose();
+    const Matrix3 v_p = v.leftCols<3>() + h * v.middleCols<3>(6) +
+                        v.middleCols<3>(3) * dp_dtheta.transpose() + v_ba * dp_dba.transpose() +
+                        v_bg * dp_dbg.transpose();
+    const Matrix3 v_theta =
+        v.middleCols<3>(3) * dtheta_dtheta.transpose() + v_bg * dtheta_dbg.transpose();
+    const Matrix3 v_v = v.middleCols<3>(6) + v.middleCols<3>(3) * dv_dtheta.transpose() +
+                        v_ba * dv_dba.transpose() + v_bg * dv_dbg.transpose();
+    P.topRightCorner<3, 6>() = p.rightCols<6>();
+    P.block<3, 6>(3, 9) = theta.rightCols<6>();
+    P.block<3, 6>(6, 9) = v.rightCols<6>();
+    P.bottomLeftCorner<6, 9>() = P.topRightCorner<9, 6>().transpose();
+    P.block<3, 3>(0, 0) = 0.5 * (pp + pp.transpose());
+    P.block<3, 3>(3, 0) = theta_p;
+    P.block<3, 3>(0, 3) = theta_p.transpose();
+    P.block<3, 3>(3, 3) = 0.5 * (theta_theta + theta_theta.transpose());
+    P.block<3, 3>(6, 0) = v_p;
+    P.block<3, 3>(0, 6) = v_p.transpose();
+    P.block<3, 3>(6, 3) = v_theta;
+    P.block<3, 3>(3, 6) = v_theta.transpose();
+    P.block<3, 3>(6, 6) = 0.5 * (v_v + v_v.transpose());
+  }
+};
+
 bool Finite(const ImuPreintegration& x) {
   return x.imu.Validate().ok() && internal::AllFinite(x.covariance.data(), 225) &&
          internal::AllFinite(&x.mean_accel, 1);
@@ -143,18 +210,16 @@ Status ImuPreintegrator::Add(const ImuSample& sample) {
   // Error state e = [p, theta, v | ba, bg], Eq. (62): e <- A e + B n. The biases of the error state
   // are the distance walked since the start of the interval. A bias that has walked by w makes the
   // true increments those at bias + w, and so does noise of -w: one matrix for both.
-  Matrix<9, 6> B = Matrix<9, 6>::Zero();  // by accelerometer, gyroscope
-  B.block<3, 3>(0, 0) = R * s.dp_dba;
-  B.block<3, 3>(0, 3) = R * s.dp_dbg;
-  B.block<3, 3>(3, 3) = dtheta_dbg_step;
-  B.block<3, 3>(6, 0) = R * s.dv_dba;
-  B.block<3, 3>(6, 3) = R * s.dv_dbg;
-  Matrix<9, 15> A = Matrix<9, 15>::Identity();  // the rows of A for the biases are [0 I]
-  A.block<3, 3>(0, 3) = dp_dtheta;
-  A.block<3, 3>(0, 6) = h * Matrix3::Identity();
-  A.block<3, 3>(3, 3) = s.R.transpose();
-  A.block<3, 3>(6, 3) = dv_dtheta;
-  A.rightCols<6>() = B;
+  ErrorStep e;
+  e.h = h;
+  e.dp_dtheta = dp_dtheta;
+  e.dtheta_dtheta = s.R.transpose();
+  e.dv_dtheta = dv_dtheta;
+  e.dp_dba = R * s.dp_dba;
+  e.dp_dbg = R * s.dp_dbg;
+  e.dtheta_dbg = dtheta_dbg_step;
+  e.dv_dba = R * s.dv_dba;
+  e.dv_dbg = R * s.dv_dbg;
 
   const double na =
       noise_.accel_noise_density *
@@ -162,17 +227,7 @@ Status ImuPreintegrator::Add(const ImuSample& sample) {
   const double ng =
       noise_.gyro_noise_density *
       (last_.gyro_saturated || sample.gyro_saturated ? noise_.saturation_inflation : 1.0);
-  Matrix<9, 6> BQ = B;
-  BQ.leftCols<3>() *= na * na / h + unseen.accel;
-  BQ.rightCols<3>() *= ng * ng / h + unseen.gyro;
-  Matrix<9, 15> AP;
-  AP.noalias() = A * integral_.covariance;
-  Matrix<9, 9> P;
-  P.noalias() = AP * A.transpose();
-  P.noalias() += BQ * B.transpose();
-  next.covariance.topLeftCorner<9, 9>() = P;
-  next.covariance.topRightCorner<9, 6>() = AP.rightCols<6>();
-  next.covariance.bottomLeftCorner<6, 9>() = AP.rightCols<6>().transpose();
+  e.Propagate(na * na / h + unseen.accel, ng * ng / h + unseen.gyro, &next.covariance);
   // White noise is not constant over the step: the variance of its double integral is h^3 / 3, not
   // h^3 / 4. Keeps the covariance regular from the first step on.
   next.covariance.diagonal().segment<3>(0).array() += na * na * h * h * h / 12.0;

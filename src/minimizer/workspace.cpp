@@ -27,6 +27,9 @@ LinearSolver* SolverWorkspace::Solver(const SolveOptions& options) {
   constexpr double kDenseFraction = 0.8;
   // Small fronts run at about a third of the speed of one dense factorization.
   constexpr double kWorthwhile = 0.3;
+  // One dense factorization of these takes less than the symbolic analysis of a sparse one.
+  constexpr int kSmall = 128;
+  if (structure.num_pose_scalars() <= kSmall) return &dense_cholesky;
   const SchurLayout& layout = equations.ReducedLayout(structure);
   const auto n = static_cast<double>(layout.num_vertices());
   if (static_cast<double>(layout.blocks.size()) > kDenseFraction * 0.5 * n * (n + 1.0)) {

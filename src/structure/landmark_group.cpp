@@ -44,9 +44,9 @@ void Structure::PlanGroup(const Graph& graph, LandmarkGroup* group, std::size_t 
   for (std::size_t k = begin; k < end; ++k) {
     plan_.landmark_of_lane.push_back(landmarks_[Index(grouped_[k].landmark)].index);
     const auto lane = static_cast<std::int32_t>(k - begin);
-    ForEachEdgeOf(grouped_[k].landmark, [&](const EdgeRef& ref) {
-      run_of_edge_.push_back(FindRun(graph, *group, ref, lane));
-    });
+    const auto l = Index(grouped_[k].landmark);
+    for (std::int32_t e = landmark_edges_begin_[l]; e < landmark_edges_begin_[l + 1]; ++e)
+      run_of_edge_.push_back(FindRun(graph, *group, e, lane));
   }
   plan_.landmark_of_lane.resize(Index(group->lane_begin + group->lanes), -1);
   group->pair_end = static_cast<std::int32_t>(plan_.pairs.size());
@@ -69,17 +69,17 @@ void Structure::PlanGroup(const Graph& graph, LandmarkGroup* group, std::size_t 
 }
 
 // The run that an edge of the landmark in a lane belongs to; new ones are added.
-std::int32_t Structure::FindRun(const Graph& graph, const LandmarkGroup& group, const EdgeRef& ref,
-                                std::int32_t lane) {
+std::int32_t Structure::FindRun(const Graph& graph, const LandmarkGroup& group,
+                                std::int32_t landmark_edge, std::int32_t lane) {
+  const EdgeRef ref = landmark_edges_[Index(landmark_edge)];
+  const std::int32_t pose = observer_[Index(landmark_edge)];
   std::int32_t pair = -1;
-  if (pool_kind_[Index(ref.pool)] != PoolKind::kLandmarkOnly) {
-    const FlatEdges& flat = flat_[Index(ref.pool)];
-    const std::size_t at = ObserverOf(ref);
-    const std::int32_t pose = flat.index[at];
+  if (pose >= 0) {
     if (pair_of_pose_[Index(pose)] < 0) {
       pair_of_pose_[Index(pose)] = static_cast<std::int32_t>(plan_.pairs.size());
+      const auto poses = Index(graph.Pool<VertexPose>()->id());
       LandmarkPair added;
-      added.target = {pose, std::max(flat.variable[at], -1)};
+      added.target = {pose, std::max(variable_[poses][Index(pose)], -1)};
       plan_.pairs.push_back(added);
       newest_run_.push_back(-1);
     }

@@ -46,10 +46,28 @@ void Structure::ClassifyPools(const Graph& graph) {
   }
 }
 
-// Position of the vertex of an edge that observes the landmark: the target, or the pose of a point.
-std::size_t Structure::ObserverOf(const EdgeRef& ref) const {
-  return pool_kind_[Index(ref.pool)] == PoolKind::kHostAndTarget ? 3 * Index(ref.edge) + 1
-                                                                 : 2 * Index(ref.edge);
+// Once for all: the passes below walk over the edges of landmarks again and again.
+void Structure::ListObservers() {
+  const std::int32_t count = landmark_edges_begin_[landmarks_.size()];
+  observer_.resize(Index(count));
+  for (std::size_t k = 0; k < observer_.size(); ++k) {
+    const EdgeRef ref = landmark_edges_[k];
+    const std::int32_t* const index = flat_[Index(ref.pool)].index.data();
+    switch (pool_kind_[Index(ref.pool)]) {
+      case PoolKind::kHostAndTarget:
+        observer_[k] = index[3 * Index(ref.edge) + 1];
+        break;
+      case PoolKind::kPoseAndPoint:
+        observer_[k] = index[2 * Index(ref.edge)];
+        break;
+      case PoolKind::kLandmarkOnly:
+        observer_[k] = kNoObserver;
+        break;
+      case PoolKind::kOther:
+        observer_[k] = kNoGroup;
+        break;
+    }
+  }
 }
 
 // The host of all edges of an inverse depth, the first pose that sees a point; -1 if there is none
@@ -58,19 +76,18 @@ std::int32_t Structure::HostOf(std::size_t landmark) const {
   std::int32_t host = -1;
   for (std::int32_t k = landmark_edges_begin_[landmark]; k < landmark_edges_begin_[landmark + 1];
        ++k) {
+    const std::int32_t observer = observer_[Index(k)];
+    if (observer == kNoObserver) continue;
+    if (observer == kNoGroup) return -1;
     const EdgeRef ref = landmark_edges_[Index(k)];
-    const PoolKind kind = pool_kind_[Index(ref.pool)];
-    if (kind == PoolKind::kLandmarkOnly) continue;
-    if (kind == PoolKind::kOther) return -1;
-    if (kind == PoolKind::kPoseAndPoint) {
-      const std::int32_t pose = flat_[Index(ref.pool)].index[ObserverOf(ref)];
-      host = host < 0 ? pose : std::min(host, pose);
+    if (pool_kind_[Index(ref.pool)] == PoolKind::kPoseAndPoint) {
+      host = host < 0 ? observer : std::min(host, observer);
       continue;
     }
-    const std::int32_t* vertices = flat_[Index(ref.pool)].index.data() + 3 * std::int64_t{ref.edge};
-    if (host >= 0 && vertices[0] != host) return -1;
-    host = vertices[0];
-    if (vertices[1] == host) return -1;
+    const std::int32_t of_edge = flat_[Index(ref.pool)].index[3 * Index(ref.edge)];
+    if (host >= 0 && of_edge != host) return -1;
+    host = of_edge;
+    if (observer == host) return -1;
   }
   return host;
 }
@@ -79,6 +96,7 @@ std::int32_t Structure::HostOf(std::size_t landmark) const {
 void Structure::FindGroups(const Graph& graph) {
   grouped_.clear();
   ClassifyPools(graph);
+  ListObservers();
   AddGroups(graph, PoolKind::kHostAndTarget, &kTypeInfo<VertexInverseDepth>);
   AddGroups(graph, PoolKind::kPoseAndPoint, &kTypeInfo<VertexPointXYZ>);
   // By group, then falling number of edges or last pose; the landmark's number settles ties.
@@ -120,10 +138,7 @@ std::int32_t Structure::TrackLength(PoolKind kind, std::int32_t landmark) const 
   if (kind == PoolKind::kHostAndTarget)
     return landmark_edges_begin_[l + 1] - landmark_edges_begin_[l];
   std::int32_t last = 0;
-  ForEachEdgeOf(landmark, [&](const EdgeRef& ref) {
-    if (pool_kind_[Index(ref.pool)] == PoolKind::kPoseAndPoint)
-      last = std::max(last, flat_[Index(ref.pool)].index[ObserverOf(ref)]);
-  });
+  ForEachObserverOf(landmark, [&](std::int32_t pose) { last = std::max(last, pose); });
   return last;
 }
 

@@ -95,19 +95,19 @@ void Structure::LeaveOutFarLandmarks(const Graph& graph) {
     double reach = 0.0;
     if (group.dim == 1) {
       double farthest = distance_[Index(group.host.pose)];
-      ForEachEdgeOf(landmark.landmark, [&](const EdgeRef& ref) {
-        if (pool_kind_[Index(ref.pool)] != PoolKind::kHostAndTarget) return;
-        farthest =
-            std::max(farthest, distance_[Index(flat_[Index(ref.pool)].index[ObserverOf(ref)])]);
+      ForEachObserverOf(landmark.landmark, [&](std::int32_t pose) {
+        farthest = std::max(farthest, distance_[Index(pose)]);
       });
       reach = farthest * std::abs(graph.Pool<VertexInverseDepth>()->At(index).rho);
     } else {
       const double* x = graph.Pool<VertexPointXYZ>()->At(index).data;
-      ForEachEdgeOf(landmark.landmark, [&](const EdgeRef& ref) {
-        if (pool_kind_[Index(ref.pool)] != PoolKind::kPoseAndPoint) return;
-        const std::int32_t pose = flat_[Index(ref.pool)].index[ObserverOf(ref)];
-        reach = std::max(reach, Ratio(distance_[Index(pose)], PositionFrom(x, poses, pose).norm()));
+      double square = 0.0;
+      ForEachObserverOf(landmark.landmark, [&](std::int32_t pose) {
+        const double from_center = distance_[Index(pose)];
+        square = std::max(
+            square, Ratio(from_center * from_center, PositionFrom(x, poses, pose).squaredNorm()));
       });
+      reach = std::sqrt(square);
     }
     return reach <= LandmarkPlan::kMaxReach;
   });
@@ -140,9 +140,7 @@ bool Structure::IsSparse(std::size_t begin, std::size_t end) {
   for (std::size_t k = begin; k < end; ++k) {
     std::int64_t seen = 0;
     const auto lane = static_cast<std::int32_t>(k - begin) + 1;
-    ForEachEdgeOf(grouped_[k].landmark, [&](const EdgeRef& ref) {
-      if (pool_kind_[Index(ref.pool)] != PoolKind::kPoseAndPoint) return;
-      const std::int32_t pose = flat_[Index(ref.pool)].index[ObserverOf(ref)];
+    ForEachObserverOf(grouped_[k].landmark, [&](std::int32_t pose) {
       std::int32_t& frame = pair_of_pose_[Index(pose)];
       if (frame < 0) {
         frame = static_cast<std::int32_t>(frames_.size());

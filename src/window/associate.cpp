@@ -81,12 +81,9 @@ bool SlidingWindow::Impl::IsPredictionTrusted() const {
 
 bool SlidingWindow::Impl::IsNearPrediction(const WindowLandmark& landmark,
                                            const LandmarkObservation& o) const {
-  if (T_c_w.empty()) return true;
-  const WindowCamera& camera = options.cameras[Index(o.camera)];
-  const Vector3 x = T_c_w[Index(o.camera)] * problem.Get(landmark.point).p();
-  const double du = camera.fx / camera.sigma_px * (x[0] / x[2] - o.uv[0]);
-  const double dv = camera.fy / camera.sigma_px * (x[1] / x[2] - o.uv[1]);
-  return x[2] > 0.0 && std::hypot(du, dv) <= options.max_prediction_error;
+  if (predicted_cameras.empty()) return true;
+  return predicted_cameras[Index(o.camera)].SquareInSigmas(problem.Get(landmark.point).p(), o) <=
+         options.max_prediction_error * options.max_prediction_error;
 }
 
 Status SlidingWindow::Associate(std::span<const FrameObservation> observations) {
@@ -94,10 +91,10 @@ Status SlidingWindow::Associate(std::span<const FrameObservation> observations) 
   if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
   const WindowFrame& frame = w.frames.back();
   w.seen_by_camera.assign(w.options.cameras.size(), 0);
-  w.T_c_w.clear();
+  w.predicted_cameras.clear();
   if (w.IsPredictionTrusted()) {
     for (const WindowCamera& camera : w.options.cameras)
-      w.T_c_w.push_back((frame.T_w_b * camera.T_b_c).Inverse());
+      w.predicted_cameras.emplace_back(camera, frame.T_w_b);
   }
   for (const FrameObservation& o : observations) {
     const double uv[2] = {o.u, o.v};
@@ -141,10 +138,8 @@ Status SlidingWindow::Associate(std::span<const FrameObservation> observations) 
 void SlidingWindow::Impl::UpdateCamerasInWorld() {
   cameras_in_world.clear();
   for (const WindowFrame& frame : frames) {
-    for (const WindowCamera& camera : options.cameras) {
-      const Pose T_w_c = frame.T_w_b * camera.T_b_c;
-      cameras_in_world.push_back({T_w_c, T_w_c.R().transpose()});
-    }
+    for (const WindowCamera& camera : options.cameras)
+      cameras_in_world.emplace_back(camera, frame.T_w_b);
   }
 }
 
@@ -225,7 +220,7 @@ void SlidingWindow::ChooseKeyframe(KeyframeChoice choice) {
       const Vector3 ray =
           R_b_c.transpose() * (R_last_new * (R_b_c * Vector3(now.uv[0], now.uv[1], 1.0)));
       if (ray[2] > 0.1) {
-        parallax += std::hypot(ray[0] / ray[2] - then->uv[0], ray[1] / ray[2] - then->uv[1]);
+        parallax += Vector2(ray[0] / ray[2] - then->uv[0], ray[1] / ray[2] - then->uv[1]).norm();
       }
     }
     frame.is_keyframe =

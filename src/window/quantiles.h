@@ -16,9 +16,18 @@ inline double NormalQuantile(double tail) {
                  (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
 }
 
-/// x with P(chi2(dof) > x) = tail; of tails below 1e-15 that of 1e-15.
+/// x with P(chi2(dof) > x) = tail; of tails below 1e-15 that of 1e-15. Who asks for the same again,
+/// as a window does at every frame, has it from the last time.
 inline double Chi2Quantile(int dof, double tail) {
-  return eval::ChiSquareQuantile(1.0 - std::max(tail, 1e-15), dof).value();
+  struct Answer {
+    int dof = 0;
+    double tail = 0.0, quantile = 0.0;
+  };
+  thread_local Answer last;
+  if (dof != last.dof || tail != last.tail) {
+    last = {dof, tail, eval::ChiSquareQuantile(1.0 - std::max(tail, 1e-15), dof).value()};
+  }
+  return last.quantile;
 }
 
 }  // namespace glissade::internal

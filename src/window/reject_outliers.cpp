@@ -21,13 +21,7 @@ Status SlidingWindow::RejectOutliers() {
     for (std::size_t i = 0; i < landmark.observations.size(); ++i) {
       const LandmarkObservation& o = landmark.observations[i];
       const int frame = w.NextFrameIndex(o.frame, &next);
-      const CameraInWorld& at = w.CameraOf(frame, o.camera);
-      const WindowCamera& camera = w.options.cameras[Index(o.camera)];
-      const Vector3 x = at.R_c_w * (X - at.T_w_c.p());
-      const double du = camera.fx / camera.sigma_px * (x[0] / x[2] - o.uv[0]);
-      const double dv = camera.fy / camera.sigma_px * (x[1] / x[2] - o.uv[1]);
-      // Not finite, behind the camera: does not fit either.
-      if (x[2] > 0.0 && du * du + dv * dv <= w.options.max_chi2) {
+      if (w.CameraOf(frame, o.camera).SquareInSigmas(X, o) <= w.options.max_chi2) {
         if (o.edge.slot != kNullSlot) ++left;
         if (kept != i) landmark.observations[kept] = o;
         ++kept;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -27,9 +28,27 @@ struct SeenFrame {
 /// What Slide() makes of a frame.
 enum class FrameFate : std::uint8_t { kStays, kMarginalized, kDropped };
 
+/// A camera of a frame where the frame is now.
 struct CameraInWorld {
   Pose T_w_c;
   Matrix3 R_c_w;
+  Vector2 weight;  ///< 1 / sigma of an observation, in normalized coordinates
+
+  CameraInWorld(const WindowCamera& camera, const Pose& T_w_b)
+      : T_w_c(T_w_b * camera.T_b_c),
+        R_c_w(T_w_c.R().transpose()),
+        weight(camera.fx / camera.sigma_px, camera.fy / camera.sigma_px) {}
+
+  /// r'r in sigmas of an observation of the point X_w; infinite for a point behind the camera and
+  /// for one that is not finite.
+  [[nodiscard]] double SquareInSigmas(const Vector3& X_w, const LandmarkObservation& o) const {
+    const Vector3 x = R_c_w * (X_w - T_w_c.p());
+    const double inverse = 1.0 / x[2];
+    const double du = weight[0] * (x[0] * inverse - o.uv[0]);
+    const double dv = weight[1] * (x[1] * inverse - o.uv[1]);
+    const double square = du * du + dv * dv;
+    return x[2] > 0.0 && square >= 0.0 ? square : std::numeric_limits<double>::infinity();
+  }
 };
 
 /// What the steps of a window share. Frames are few and stand in the order of time; landmarks are
@@ -67,7 +86,8 @@ struct SlidingWindow::Impl {
   WindowEventCounts total, recent;
 
   // Storage of the steps.
-  std::vector<Pose> T_c_w;          ///< of the newest frame as predicted; empty: not trusted
+  /// Of the newest frame as predicted; empty: not trusted.
+  std::vector<CameraInWorld> predicted_cameras;
   std::vector<int> seen_by_camera;  ///< features in the newest frame
   ImuInterval interval;
   /// What the images of the last frames showed, for those who ask whether they moved.

@@ -164,7 +164,7 @@ class Structure {
   void GrowPairTable();
   enum class PoolKind : std::uint8_t { kOther, kHostAndTarget, kPoseAndPoint, kLandmarkOnly };
   void ClassifyPools(const Graph& graph);
-  [[nodiscard]] std::size_t ObserverOf(const EdgeRef& ref) const;
+  void ListObservers();
   [[nodiscard]] std::int32_t HostOf(std::size_t landmark) const;
   void FindGroups(const Graph& graph);
   void AddGroups(const Graph& graph, PoolKind kind, const TypeInfo* type);
@@ -180,7 +180,7 @@ class Structure {
   [[nodiscard]] double Reach(const Graph& graph) const;
   void PlanGroups(const Graph& graph, bool allow);
   void PlanGroup(const Graph& graph, LandmarkGroup* group, std::size_t begin, std::size_t end);
-  std::int32_t FindRun(const Graph& graph, const LandmarkGroup& group, const EdgeRef& ref,
+  std::int32_t FindRun(const Graph& graph, const LandmarkGroup& group, std::int32_t landmark_edge,
                        std::int32_t lane);
   void LayOutGroup(LandmarkGroup* group);
   void FillHoles(const LandmarkRun& run);
@@ -192,6 +192,15 @@ class Structure {
     const auto l = static_cast<std::size_t>(landmark);
     for (std::int32_t k = landmark_edges_begin_[l]; k < landmark_edges_begin_[l + 1]; ++k) {
       f(landmark_edges_[static_cast<std::size_t>(k)]);
+    }
+  }
+  /// f(pose) of all that observe a landmark in a group.
+  template <class F>
+  void ForEachObserverOf(std::int32_t landmark, F&& f) const {
+    const auto l = static_cast<std::size_t>(landmark);
+    for (std::int32_t k = landmark_edges_begin_[l]; k < landmark_edges_begin_[l + 1]; ++k) {
+      const std::int32_t pose = observer_[static_cast<std::size_t>(k)];
+      if (pose >= 0) f(pose);
     }
   }
   void BuildReducedPattern();
@@ -273,6 +282,11 @@ class Structure {
   };
   std::vector<GroupedLandmark> grouped_;
   std::vector<PoolKind> pool_kind_;
+  // By landmark_edges_ as they are before groups are taken out: the pose that observes the landmark
+  // (the target, or the pose of a point), kNoObserver of an edge on the landmark alone, kNoGroup of
+  // one whose landmark may not be in a group.
+  static constexpr std::int32_t kNoObserver = -1, kNoGroup = -2;
+  std::vector<std::int32_t> observer_;
   std::vector<std::int32_t> newest_run_, next_run_, first_edge_, run_of_edge_, moved_pair_;
   std::vector<double> distance_;  // of each pose from the center
   struct WeightedCoordinate {
