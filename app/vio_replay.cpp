@@ -42,9 +42,10 @@ no error. With --time-offset a ground truth that has the frames' own stamps is t
 their clock, another one on the IMU's. Without ground truth there is everything but errors.
 
 Stages: add (samples, prediction, tracks, triangulation), solve, reject (outliers, IMU terms
-integrated anew), slide (the policy, marginalization). Times are those of the thread's own clock,
-which others on the machine do not disturb much; --wall has those of the clock on the wall. Solve
-and reject are told apart in frames only in which the two clocks agree.
+integrated anew), slide (the policy, marginalization); with --consistency or --states also the
+covariance of the newest state, which is not part of a frame. Times are those of the thread's own
+clock, which others on the machine do not disturb much; --wall has those of the clock on the wall.
+Solve and reject are told apart in frames only in which the two clocks agree.
 
 Kinds of --fault: imu-gap, no-features, all-outliers, camera-lost (the second one), nan-pixels
 (every second feature), imu-saturated (clipped at half of the largest rate and motion, and marked),

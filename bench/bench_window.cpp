@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "glissade/eval/statistics.h"
 #include "glissade/io/viowin.h"
 #include "glissade/linear/instruction_set.h"
 #include "glissade/problem/problem.h"
@@ -59,11 +60,7 @@ double Ms(double since) {
   return Now() - since;
 }
 
-double Quantile(std::vector<double> x, double p) {
-  if (x.empty()) return NAN;
-  std::sort(x.begin(), x.end());
-  return x[static_cast<std::size_t>(p * static_cast<double>(x.size() - 1) + 0.5)];
-}
+using eval::Quantile;
 double Median(const std::vector<double>& x) {
   return Quantile(x, 0.5);
 }

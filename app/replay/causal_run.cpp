@@ -150,11 +150,11 @@ class Runner {
 
   CausalRun Finish() {
     // All that was allocated since, but for what a run remembers.
-    const double remembered =
-        static_cast<double>(run_.estimates.capacity() * sizeof(FrameEstimate) +
-                            sizeof(double) * (run_.ms.total.capacity() + run_.ms.add.capacity() +
-                                              run_.ms.solve.capacity() + run_.ms.reject.capacity() +
-                                              run_.ms.slide.capacity()));
+    const double remembered = static_cast<double>(
+        run_.estimates.capacity() * sizeof(FrameEstimate) +
+        sizeof(double) *
+            (run_.ms.total.capacity() + run_.ms.add.capacity() + run_.ms.solve.capacity() +
+             run_.ms.reject.capacity() + run_.ms.slide.capacity() + run_.ms.covariance.capacity()));
     if (const double now = AllocatedBytes(); now > 0.0) {
       run_.window_mb = 1e-6 * std::max(0.0, now - allocated_before_ - remembered);
     }
@@ -228,7 +228,9 @@ class Runner {
   void ReadSigmas(FrameEstimate* estimate) {
     const std::size_t n = has_imu_ ? 15 : 6;
     std::vector<double> covariance(n * n);
+    const double begin = Now(settings_.wall_clock);
     if (!window_.NewestCovariance(covariance).ok()) return;
+    run_.ms.covariance.push_back(Now(settings_.wall_clock) - begin);
     for (std::size_t k = 0; k < 36; ++k)
       estimate->pose_covariance[k] = covariance[n * (k / 6) + k % 6];
     for (std::size_t k = 0; k < n; ++k)

@@ -55,6 +55,8 @@ struct StageTimes {
   std::vector<double> solve;   ///< of the window
   std::vector<double> reject;  ///< outliers, IMU terms anew
   std::vector<double> slide;   ///< what leaves: policy, marginalization
+  /// Of the newest state, where it was asked for; not part of total.
+  std::vector<double> covariance;
 };
 
 /// An observation of the recording.

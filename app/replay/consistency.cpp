@@ -3,11 +3,10 @@
 #include "replay/consistency.h"
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "glissade/eval/alignment.h"
+#include "glissade/eval/association.h"
 #include "glissade/eval/nees.h"
 #include "glissade/lie/so3.h"
 #include "replay/judge.h"
@@ -19,17 +18,6 @@ namespace {
 /// Further apart than this, two true poses do not tell what was between them.
 constexpr std::int64_t kMaxGapNs = 100'000'000;
 
-/// The true pose at a stamp.
-std::optional<Pose> At(std::span<const eval::StampedPose> truth, std::int64_t stamp_ns) {
-  const auto after = std::lower_bound(
-      truth.begin(), truth.end(), stamp_ns,
-      [](const eval::StampedPose& pose, std::int64_t t) { return pose.stamp_ns < t; });
-  if (after == truth.end()) return {};
-  if (after->stamp_ns == stamp_ns) return after->T_w_b;
-  if (after == truth.begin() || after->stamp_ns - (after - 1)->stamp_ns > kMaxGapNs) return {};
-  return eval::Interpolate(*(after - 1), *after, stamp_ns).T_w_b;
-}
-
 }  // namespace
 
 std::optional<Consistency> ConsistencyOf(const CausalRun& run, const Viotracks& recording,
@@ -38,8 +26,8 @@ std::optional<Consistency> ConsistencyOf(const CausalRun& run, const Viotracks& 
   const std::int64_t shift = std::llround(1e9 * time_offset_s);
   Consistency c;
   for (const FrameEstimate& estimate : run.estimates) {
-    const auto oldest = At(truth, estimate.oldest.stamp_ns - shift);
-    const auto newest = At(truth, estimate.state.stamp_ns - shift);
+    const auto oldest = eval::PoseAt(truth, estimate.oldest.stamp_ns - shift, kMaxGapNs);
+    const auto newest = eval::PoseAt(truth, estimate.state.stamp_ns - shift, kMaxGapNs);
     if (!oldest || !newest) continue;
     const Pose T_r_w = has_imu ? eval::AlignPose(estimate.oldest.T_w_b, *oldest).T_r_e
                                : *oldest * estimate.oldest.T_w_b.Inverse();

@@ -26,11 +26,13 @@ struct Stage {
 };
 
 std::vector<Stage> StagesOf(const StageTimes& ms) {
-  return {{"frame", &ms.total},
-          {"add", &ms.add},
-          {"solve", &ms.solve},
-          {"reject", &ms.reject},
-          {"slide", &ms.slide}};
+  std::vector<Stage> stages = {{"frame", &ms.total},
+                               {"add", &ms.add},
+                               {"solve", &ms.solve},
+                               {"reject", &ms.reject},
+                               {"slide", &ms.slide}};
+  if (!ms.covariance.empty()) stages.push_back({"covariance", &ms.covariance});
+  return stages;
 }
 
 double MeanOf(const CausalRun& run, int FrameEstimate::*count) {
@@ -58,9 +60,9 @@ void PrintRun(const CausalRun& run, const std::optional<TrajectoryErrors>& error
     Print("{} solves failed; the first refusal: {}\n", run.solves_failed, run.first_refusal);
   }
   if (errors) Print("{}", Describe(*errors));
-  Print("\n{:<8}{:>10}{:>10}{:>10}  ms of each frame\n", "", "median", "p99", "max");
+  Print("\n{:<10}{:>10}{:>10}{:>10}  ms of each frame\n", "", "median", "p99", "max");
   for (const Stage& stage : StagesOf(run.ms)) {
-    Print("{:<8}{:>10.3f}{:>10.3f}{:>10.3f}\n", stage.name, Quantile(*stage.ms, 0.5),
+    Print("{:<10}{:>10.3f}{:>10.3f}{:>10.3f}\n", stage.name, Quantile(*stage.ms, 0.5),
           Quantile(*stage.ms, 0.99), Quantile(*stage.ms, 1.0));
   }
   Print("\nwindow: {:.1f} frames, {:.1f} landmarks, {:.1f} observations, on average\n",

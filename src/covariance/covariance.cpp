@@ -8,10 +8,10 @@
 #include <string>
 
 #include "covariance/linearized_graph.h"
+#include "covariance/reduced_factor.h"
 #include "glissade/base/index.h"
 #include "glissade/base/out_of_memory.h"
 #include "glissade/linear/instruction_set.h"
-#include "kernels/kernels.h"
 
 namespace glissade {
 
@@ -42,10 +42,7 @@ struct Covariance::Impl {
   Orbit orbit;
   std::vector<AnyVertex> uninformed;
   bool ready = false;
-  int n = 0;
-  int stride = 0;
-  std::vector<double> factor;         // Cholesky of the scaled S
-  std::vector<double> inverse_scale;  // 1 / sqrt(S_kk)
+  internal::ReducedFactor reduced;
 
   Status CheckLandmarks(double min_pivot);
   Status Factor(double min_pivot);
@@ -112,67 +109,16 @@ Status Covariance::Impl::CheckLandmarks(double min_pivot) {
 }
 
 Status Covariance::Impl::Factor(double min_pivot) {
-  const SchurOperator& reduced = linear.equations.reduced();
-  const BlockView S = reduced.Block(0);  // dense
-  n = static_cast<int>(reduced.layout().size());
-  stride = static_cast<int>(S.stride);
-  factor.resize(Index(n) * Index(stride));
-  inverse_scale.resize(Index(n));
-  for (int k = 0; k < n; ++k) {
-    // Relative to H's own diagonal: what elimination leaves of it is then told from rounding.
-    const double h =
-        linear.equations.held()[Index(k)] != 0 ? 1.0 : linear.equations.diagonal()[Index(k)];
-    inverse_scale[Index(k)] = h > 0.0 ? 1.0 / std::sqrt(h) : 0.0;
-  }
-  const auto scale = [&] {
-    for (int c = 0; c < n; ++c) {
-      double* column = factor.data() + Index(c) * Index(stride);
-      for (int r = c; r < n; ++r)
-        column[r] = S.data[Index(c) * Index(stride) + Index(r)] * inverse_scale[Index(r)] *
-                    inverse_scale[Index(c)];
-      // A coordinate that nothing sees.
-      if (inverse_scale[Index(c)] == 0.0) column[c] = 0.0;
-    }
-  };
-  scale();
-  const int failed = kernels::Kernels().cholesky(n, factor.data(), stride);
-  bool good = failed == 0;
-  for (int k = 0; good && k < n; ++k) {
-    const double pivot = factor[Index(k) * Index(stride) + Index(k)];
-    good = pivot * pivot > min_pivot;
-  }
-  if (good) return {};
-
-  // The slow way, once, to name all of them: pivots without information are skipped.
-  scale();
-  std::vector<std::uint8_t> missing(Index(n), 0);
-  int directions = 0;
-  for (int c = 0; c < n; ++c) {
-    double* column = factor.data() + Index(c) * Index(stride);
-    if (!(column[c] > min_pivot)) {
-      missing[Index(c)] = 1;
-      ++directions;
-      std::fill(column + c, column + n, 0.0);
-      continue;
-    }
-    const double pivot = std::sqrt(column[c]);
-    for (int r = c; r < n; ++r)
-      column[r] /= pivot;
-    for (int k = c + 1; k < n; ++k) {
-      double* other = factor.data() + Index(k) * Index(stride);
-      for (int r = k; r < n; ++r)
-        other[r] -= column[r] * column[k];
-    }
-  }
+  if (reduced.Factor(&linear.equations, min_pivot)) return {};
   for (const PoseBlock& pose : linear.structure.poses()) {
-    const auto begin = missing.begin() + pose.offset;
+    const auto begin = reduced.missing().begin() + pose.offset;
     if (std::find(begin, begin + pose.dim, 1) == begin + pose.dim) continue;
     uninformed.push_back(linear.Handle(pose));
   }
   if (uninformed.empty()) {
     return {StatusCode::kSingular, "Covariance: the reduced system is not positive definite"};
   }
-  return Singular(uninformed, directions);
+  return Singular(uninformed, reduced.num_missing());
 }
 
 Status Covariance::Compute(Graph* graph, const CovarianceOptions& options) {
@@ -209,33 +155,19 @@ Status Covariance::Compute(Graph* graph, const CovarianceOptions& options) {
 }
 
 void Covariance::Impl::FillColumns(const LinearizedGraph::Place& place, double* Y) const {
-  const auto at = [&](int row, int col) -> double& {
-    return Y[Index(row) + Index(col) * Index(n)];
-  };
   if (place.pose >= 0) {
-    const PoseBlock& pose = linear.structure.poses()[Index(place.pose)];
-    if (pose.free_tangent < 0) {
-      for (int k = 0; k < pose.dim; ++k)
-        at(pose.offset + k, k) = 1.0;
-      return;
-    }
-    // tangent = E d: row c of E in the free coordinates.
-    const FreeTangent& tangent = linear.tangents[Index(pose.free_tangent)];
-    for (int c = 0; c < pose.dim; ++c) {
-      for (int k = 0; k < tangent.free_dim; ++k)
-        at(pose.offset + k, c) = tangent.basis[c * tangent.free_dim + k];
-    }
-    return;
+    return reduced.SelectPose(linear.structure.poses()[Index(place.pose)], linear.tangents, Y);
   }
   if (place.landmark < 0) return;
   const Hessian::LandmarkPart landmark = linear.hessian->Landmark(Index(place.landmark));
   const Small inverse = LandmarkInverse(place.landmark);
+  const int n = reduced.size();
   for (int s = 0; s < landmark.num_slots(); ++s) {
     const DenseBlock W = landmark.W(s);
     const Eigen::Map<const RowMajor> block(W.data, W.rows, W.cols);
     for (int r = 0; r < W.rows; ++r) {
       for (int c = 0; c < W.cols; ++c)
-        at(landmark.row(s) + r, c) = -block.row(r).dot(inverse.col(c));
+        Y[Index(landmark.row(s) + r) + Index(c) * Index(n)] = -block.row(r).dot(inverse.col(c));
     }
   }
 }
@@ -276,19 +208,12 @@ Result<JointCovariance> Covariance::Impl::Joint(std::span<const AnyVertex> verti
     out.states.insert(out.states.end(), place->state.begin(), place->state.end());
   }
   const int m = out.size();
-  const int n = impl.n;
+  const int n = impl.reduced.size();
   Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(n, m);
   for (std::size_t i = 0; i < places.size(); ++i) {
     impl.FillColumns(places[i], Y.data() + Index(out.offsets[i]) * Index(n));
   }
-  for (int k = 0; k < n; ++k) {
-    // Held coordinates are unit rows of S, and certain.
-    const bool held = impl.linear.equations.held()[Index(k)] != 0;
-    Y.row(k) *= held ? 0.0 : impl.inverse_scale[Index(k)];
-  }
-  if (n > 0 && m > 0) {
-    kernels::Kernels().forward_solve_many(n, impl.factor.data(), impl.stride, m, Y.data(), n);
-  }
+  reduced.ForwardSolve(m, Y.data());
   Eigen::MatrixXd cov = Y.transpose() * Y;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (places[i].landmark < 0) continue;

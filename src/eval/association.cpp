@@ -67,16 +67,8 @@ class Matcher {
       : reference_(reference), options_(options) {}
 
   void AddInterpolated(const StampedPose& estimate, std::int64_t stamp_ns) {
-    const std::size_t after = FirstFrom(reference_, stamp_ns);
-    if (after == reference_.size()) return;
-    if (reference_[after].stamp_ns == stamp_ns) {
-      Add(estimate, reference_[after].T_w_b);
-    } else if (after > 0) {
-      const StampedPose &a = reference_[after - 1], &b = reference_[after];
-      const auto max_gap = static_cast<std::uint64_t>(options_.max_gap_ns);
-      if (internal::Elapsed(a.stamp_ns, b.stamp_ns) > max_gap) return;
-      Add(estimate, Interpolate(a, b, stamp_ns).T_w_b);
-    }
+    const auto pose = PoseAt(reference_, stamp_ns, options_.max_gap_ns);
+    if (pose) Add(estimate, *pose);
   }
 
   /// `shifted` is the estimate with the offset in its stamps: who else wants the same reference?
@@ -101,6 +93,17 @@ class Matcher {
 };
 
 }  // namespace
+
+std::optional<Pose> PoseAt(std::span<const StampedPose> trajectory, std::int64_t stamp_ns,
+                           std::int64_t max_gap_ns) {
+  const std::size_t after = FirstFrom(trajectory, stamp_ns);
+  if (after == trajectory.size()) return {};
+  if (trajectory[after].stamp_ns == stamp_ns) return trajectory[after].T_w_b;
+  if (after == 0) return {};
+  const StampedPose &a = trajectory[after - 1], &b = trajectory[after];
+  if (internal::Elapsed(a.stamp_ns, b.stamp_ns) > static_cast<std::uint64_t>(max_gap_ns)) return {};
+  return Interpolate(a, b, stamp_ns).T_w_b;
+}
 
 Status AssociationOptions::Validate() const {
   if (kind != AssociationKind::kNearest && kind != AssociationKind::kInterpolated) {

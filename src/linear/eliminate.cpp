@@ -42,6 +42,14 @@ const std::vector<double>& NormalEquations::reduced_rhs() const {
   return schur_->rhs();
 }
 
+SchurForm NormalEquations::reduced_form() const {
+  return schur_->form();
+}
+
+double NormalEquations::DampingAt(std::size_t scalar) const {
+  return damping_.lambda * DampingOf(damping_, eliminated_diagonal_[scalar]);
+}
+
 StepFailure NormalEquations::CannotEliminate(const AnyVertex& landmark) {
   StepFailure failure;
   failure.code = StatusCode::kSingular;
@@ -182,6 +190,7 @@ StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& 
   eliminated_ = &structure;
   threads_ = threads;
   damping_ = damping;
+  eliminated_diagonal_.assign(diagonal_.begin(), diagonal_.begin() + num_poses_scalars_);
   PlaceFactors(structure);
 
   threads->Run(structure.num_chunks(), [&](int chunk) {

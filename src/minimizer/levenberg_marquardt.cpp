@@ -17,6 +17,7 @@ StepStrategy::Outcome StepStrategy::SolveDamped(const DampingTerm& damping,
     solver = w_.Solver(options_);
     form = solver->Form(w_.equations.ReducedLayout(w_.structure));
   }
+  w_.solved.is_there = false;  // until there is a step again
   {
     const Timed timed(&w_.summary.time.eliminate_s);
     failure_ = w_.equations.Eliminate(w_.structure, *graph_, damping, form, &w_.threads);
@@ -31,6 +32,7 @@ StepStrategy::Outcome StepStrategy::SolveDamped(const DampingTerm& damping,
     failure_ = w_.equations.Solve(w_.structure, *graph_, solver, request, &w_.threads, result);
     linear_iterations_ = result->iterations;
   }
+  if (failure_.ok()) w_.solved.Keep(w_.structure, *graph_);
   if (OutOfTime()) return Outcome::kOutOfTime;
   if (failure_.ok()) return Outcome::kStep;
   // Too little information for this damping: more of it helps, where it reaches.

@@ -54,6 +54,7 @@ class Minimizer {
     summary_.num_landmarks =
         static_cast<int>(w_.structure.landmarks().size()) + w_.structure.groups().num_landmarks;
     summary_.num_edges = w_.structure.num_edges();
+    w_.solved.Begin(w_.structure, *graph_, options_.gauge);
     // Filled at the end, where a failure would come too late: states have changed.
     summary_.edges.reserve(graph_->edge_pools().size());
     if (!Linearize()) return;

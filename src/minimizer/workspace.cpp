@@ -3,6 +3,7 @@
 #include "glissade/graph/pools.h"
 #include "glissade/minimizer/minimizer.h"
 
+#include <algorithm>
 #include <new>
 
 namespace glissade {
@@ -40,8 +41,37 @@ LinearSolver* SolverWorkspace::Solver(const SolveOptions& options) {
   return &dense_cholesky;
 }
 
+void SolvedSystem::Begin(const Structure& structure, const Graph& graph, const Gauge& in_force) {
+  is_there = false;
+  gauge = in_force;
+  references = graph.gauge_references();
+  tangents = graph.free_tangents();
+  vertices.clear();
+  state_offsets.assign(1, 0);
+  for (const PoseBlock& pose : structure.poses()) {
+    const VertexPoolBase& pool = *graph.vertex_pools()[static_cast<std::size_t>(pose.pool)];
+    vertices.push_back(pool.HandleAt(pose.index));
+    state_offsets.push_back(state_offsets.back() +
+                            static_cast<std::size_t>(pool.ops().ambient_dim));
+  }
+  states.resize(state_offsets.back());
+}
+
+void SolvedSystem::Keep(const Structure& structure, const Graph& graph) {
+  is_there = true;
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const PoseBlock& pose = structure.poses()[k];
+    const double* from =
+        graph.vertex_pools()[static_cast<std::size_t>(pose.pool)]->Data(pose.index);
+    std::copy_n(from, state_offsets[k + 1] - state_offsets[k], states.data() + state_offsets[k]);
+  }
+  // Their bases are those of the linearization.
+  std::copy(graph.free_tangents().begin(), graph.free_tangents().end(), tangents.begin());
+}
+
 void SolverWorkspace::Discard() noexcept {
   discarded = true;
+  solved.is_there = false;
   try {
     Restore();
   } catch (const std::bad_alloc&) {

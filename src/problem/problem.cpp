@@ -9,6 +9,7 @@
 #include "glissade/base/index.h"
 #include "glissade/base/out_of_memory.h"
 #include "glissade/base/validate.h"
+#include "glissade/covariance/last_solve.h"
 #include "glissade/graph/pools.h"
 #include "glissade/minimizer/minimizer.h"
 
@@ -105,7 +106,7 @@ Result<Marginalization> Problem::Marginalize(std::span<const AnyVertex> vertices
 Status Problem::MakeHessian() {
   if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();
   Workspace& w = *workspace_;
-  w.linearized = w.solved = w.updated = false;
+  w.linearized = w.solved = w.updated = w.solver.solved.is_there = false;
   return Guarded(&w.solver, [&] {
     w.solver.Restore();
     // Studying a graph with a doubled observation is fine; only Solve insists. Groups of
@@ -278,6 +279,11 @@ Status Problem::MoveToGauge(const Gauge& gauge, const MoveOptions& options) {
 Result<JointCovariance> Problem::ComputeCovariance(std::span<const AnyVertex> vertices,
                                                    const CovarianceOptions& options) {
   return glissade::ComputeCovariance(this, vertices, options);
+}
+
+Result<JointCovariance> Problem::CovarianceOfLastSolve(std::span<const AnyVertex> vertices) {
+  if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();  // moved from
+  return glissade::CovarianceOfLastSolve(*this, &workspace_->solver, vertices);
 }
 
 Result<Marginalization> Problem::Marginalize(std::initializer_list<AnyVertex> vertices,

@@ -3,9 +3,11 @@
 #include "glissade/window/sliding_window.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "glissade/base/index.h"
+#include "glissade/covariance/transform.h"
 #include "window/sliding_window_impl.h"
 
 namespace glissade {
@@ -178,6 +180,29 @@ const WindowEventCounts& SlidingWindow::recent_events() const {
   return impl_->recent;
 }
 
+Result<JointCovariance> SlidingWindow::Impl::JointOfNewest() {
+  const WindowFrame& oldest = frames.front();
+  const WindowFrame& last = frames.back();
+  std::array<AnyVertex, 3> vertices;
+  std::size_t count = 0;
+  if (frames.size() > 1) vertices[count++] = oldest.pose;
+  vertices[count++] = last.pose;
+  if (last.HasSpeedBias()) vertices[count++] = last.speed_bias;
+  const std::span<const AnyVertex> asked = std::span(vertices).first(count);
+  const Gauge gauge = WindowGauge();
+  Result<JointCovariance> joint = problem.CovarianceOfLastSolve(asked);
+  if (joint.ok()) {
+    // The frame that was the oldest then may have left.
+    return joint->gauge.anchor == gauge.anchor ? std::move(joint)
+                                               : TransformCovariance(*joint, gauge);
+  }
+  // No solve has known the newest frame yet.
+  CovarianceOptions options;
+  options.gauge = gauge;
+  if (Status s = covariance.Compute(&problem, options); !s.ok()) return s;
+  return covariance.Joint(asked);
+}
+
 Status SlidingWindow::NewestCovariance(std::span<double> covariance) {
   Impl& w = *impl_;
   if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
@@ -187,13 +212,13 @@ Status SlidingWindow::NewestCovariance(std::span<double> covariance) {
     return {StatusCode::kInvalidArgument, size == 15 ? "covariance must have 15 x 15 numbers"
                                                      : "covariance must have 6 x 6 numbers"};
   }
-  CovarianceOptions options;
-  options.gauge = w.WindowGauge();
-  if (Status s = w.covariance.Compute(&w.problem, options); !s.ok()) return s;
-  const auto joint = last.HasSpeedBias() ? w.covariance.Joint({last.pose, last.speed_bias})
-                                         : w.covariance.Joint({AnyVertex(last.pose)});
+  const Result<JointCovariance> joint = w.JointOfNewest();
   if (!joint.ok()) return joint.status();
-  std::copy(joint->values.begin(), joint->values.end(), covariance.begin());
+  // The anchor, where it is another frame, comes first.
+  const auto n = static_cast<std::size_t>(joint->size()), skipped = n - size;
+  for (std::size_t k = 0; k < size; ++k)
+    std::copy_n(joint->values.data() + (skipped + k) * n + skipped, size,
+                covariance.data() + k * size);
   return {};
 }
 

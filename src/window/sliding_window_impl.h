@@ -124,6 +124,8 @@ struct SlidingWindow::Impl {
   /// Counts a frame that is refused.
   Status Refused(Status why);
   [[nodiscard]] Gauge WindowGauge() const;
+  /// The covariance of the oldest pose and the newest state, in WindowGauge().
+  [[nodiscard]] Result<JointCovariance> JointOfNewest();
 
   [[nodiscard]] Pose ResumedWorld(const Pose& first) const;
   /// The first frame, with a prior on what is believed of it.

@@ -3,7 +3,6 @@
 //
 // A body that stands still measures its velocity, zero, and that it is where it was.
 #include <algorithm>
-#include <cmath>
 
 #include "glissade/base/index.h"
 #include "glissade/edges/body_velocity.h"

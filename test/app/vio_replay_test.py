@@ -186,6 +186,19 @@ class VioReplayTest(AppTest):
             self.assertLessEqual(int(row["oldest_ns"]), int(row["timestamp_ns"]))
             self.assertGreater(int(row["observations"]), 0)
 
+    def test_the_covariance_is_held_against_the_errors(self):
+        for options in ((), ("--mono",), ("--no-imu",)):
+            result = self.replay("--consistency", *options)
+            consistency = result["consistency"]
+            # Of one flight of 12 s: measured 1 to 9 where 3 is expected.
+            self.assertGreater(consistency["nees_position"], 0.1, options)
+            self.assertLess(consistency["nees_position"], 30.0, options)
+            self.assertGreater(consistency["nees_rotation"], 0.1, options)
+            self.assertLess(consistency["nees_rotation"], 30.0, options)
+            self.assertGreater(consistency["frames"], 50, options)
+            self.assertGreater(result["stages_ms"]["covariance"]["median"], 0.0)
+        self.assertNotIn("consistency", self.replay())
+
     @without_sanitizers
     def test_faults_are_run_through_and_forgotten_within_two_seconds(self):
         """GLISSADE_FAULT_PLACES: how many, GLISSADE_FAULT_RECORDING: a folder of a recording."""

@@ -137,6 +137,38 @@ TEST(SlidingWindow, TheNewestCovarianceIsSymmetricAndPositive) {
   });
 }
 
+TEST(SlidingWindow, APredictedStateIsLessCertainThanASolvedOne) {
+  const Viotracks flight = MakeFlight(7);
+  SlidingWindow window(OptionsFor(flight));
+  ViotracksReplay replay(flight);
+  int compared = 0;
+  while (replay.Next() && compared < 20) {
+    ASSERT_TRUE(window.AddImu(replay.imu()).ok());
+    ASSERT_TRUE(window.AddFrame(replay.stamp_ns(), replay.observations()).ok());
+    if (window.phase() != WindowPhase::kRunning || window.view().frames.size() < 2) {
+      ASSERT_TRUE(window.Optimize().ok());
+      continue;
+    }
+    std::vector<double> predicted(15 * 15), solved(15 * 15);
+    ASSERT_TRUE(window.Solve({}).ok());
+    ASSERT_TRUE(window.NewestCovariance(solved).ok());
+    ASSERT_TRUE(window.Slide().ok());
+    // The same, in the gauge of the frame that is the oldest now.
+    std::vector<double> after(15 * 15);
+    ASSERT_TRUE(window.NewestCovariance(after).ok());
+    EXPECT_NEAR(after[14 * 15 + 14], solved[14 * 15 + 14], 1e-9 * solved[14 * 15 + 14]);
+    ASSERT_TRUE(replay.Next());
+    ASSERT_TRUE(window.AddImu(replay.imu()).ok());
+    ASSERT_TRUE(window.AddFrame(replay.stamp_ns(), {}).ok());
+    ASSERT_TRUE(window.NewestCovariance(predicted).ok());
+    // Of the velocity: nobody has seen where it has gone since.
+    EXPECT_GT(predicted[6 * 15 + 6], after[6 * 15 + 6]);
+    ASSERT_TRUE(window.Optimize().ok());
+    ++compared;
+  }
+  EXPECT_EQ(compared, 20);
+}
+
 TEST(SlidingWindow, ASceneWithoutFeaturesIsBridgedByTheImu) {
   const Viotracks flight = MakeFlight(8);
   SlidingWindow window(OptionsFor(flight));

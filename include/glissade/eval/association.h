@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "glissade/base/status.h"
@@ -47,5 +48,10 @@ struct MatchedTrajectories {
 [[nodiscard]] Result<MatchedTrajectories> Associate(std::span<const StampedPose> estimate,
                                                     std::span<const StampedPose> reference,
                                                     const AssociationOptions& options = {});
+
+/// The pose at a stamp: the trajectory's own or interpolated between two that are at most
+/// max_gap_ns apart, never extrapolated; nothing otherwise. Stamps must not decrease.
+[[nodiscard]] std::optional<Pose> PoseAt(std::span<const StampedPose> trajectory,
+                                         std::int64_t stamp_ns, std::int64_t max_gap_ns);
 
 }  // namespace glissade::eval

@@ -81,6 +81,15 @@ class NormalEquations {
   /// S, after Eliminate().
   [[nodiscard]] const SchurOperator& reduced();
   [[nodiscard]] const std::vector<double>& reduced_rhs() const;
+  [[nodiscard]] SchurForm reduced_form() const;
+  /// What Eliminate() found on the diagonal of H (pose scalars; of those that are held it means
+  /// nothing), and the damping that it made S with: later linearizations leave these, and S, alone.
+  [[nodiscard]] const std::vector<double>& eliminated_diagonal() const {
+    return eliminated_diagonal_;
+  }
+  [[nodiscard]] const DampingTerm& damping() const { return damping_; }
+  /// What that added to the diagonal of S at a pose scalar that is not held.
+  [[nodiscard]] double DampingAt(std::size_t scalar) const;
   /// Solves the reduced system and substitutes back; Step() then holds dx.
   StepFailure Solve(const Structure& structure, const Graph& graph, LinearSolver* solver,
                     const SolveRequest& request, ThreadPool* threads, LinearSolverResult* result);
@@ -182,6 +191,7 @@ class NormalEquations {
   const Structure* eliminated_ = nullptr;
   ThreadPool* threads_ = nullptr;
   DampingTerm damping_;
+  std::vector<double> eliminated_diagonal_;
   std::uint64_t linearized_ = 0;  // the analysis that H and b belong to
 };
 

@@ -12,6 +12,23 @@
 
 namespace glissade {
 
+/// Who is who in the system that the last step of a solve was solved from: what that step knew of
+/// covariances (covariance/last_solve.h) can be asked for after the graph has gone on.
+struct SolvedSystem {
+  bool is_there = false;                   ///< S is what it was when the step was computed
+  std::vector<AnyVertex> vertices;         ///< of Structure::poses()
+  std::vector<std::size_t> state_offsets;  ///< of each in states, and their number at the end
+  std::vector<double> states;              ///< where S was linearized
+  std::vector<FreeTangent> tangents;
+  std::vector<GaugeReference> references;
+  Gauge gauge;
+
+  /// Before the first step: all storage, and what does not change from step to step.
+  void Begin(const Structure& structure, const Graph& graph, const Gauge& in_force);
+  /// A step has been computed; allocates nothing.
+  void Keep(const Structure& structure, const Graph& graph);
+};
+
 /// Everything a solve needs besides the graph. Keep it with its graph: structure and storage are
 /// reused, and a re-solve allocates nothing.
 struct SolverWorkspace {
@@ -23,6 +40,7 @@ struct SolverWorkspace {
   PcgSolver pcg;
   PcgSolver implicit_pcg{SchurForm::kDiagonalBlocks};
   SolveSummary summary;
+  SolvedSystem solved;
   std::vector<double> dogleg_scale, dogleg_gradient, dogleg_step;
   std::vector<double> watched_states;  ///< while a callback runs
   bool discarded = false;

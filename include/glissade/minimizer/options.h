@@ -53,7 +53,8 @@ struct SolveOptions {
   int max_iterations = 50;  ///< linear solves, rejected steps included
   double max_time_s = std::numeric_limits<double>::infinity();  ///< checked inside an iteration
   double cost_tolerance = 1e-9;  ///< |cost decrease| <= tolerance * cost
-  /// max |g_i| / sqrt(H_ii) <= tolerance * the same at the start.
+  /// max |g_i| / sqrt(H_ii) <= tolerance * the same at the start. 0: nobody asks, and the last step
+  /// of max_iterations is not linearized (without a callback).
   double gradient_tolerance = 1e-12;
   /// sqrt(dx'(H + 2 lambda D)dx) <= tolerance * sqrt(2 cost), before the step is applied: the
   /// change of all residuals that it would make is that part of the residuals. Without damping this

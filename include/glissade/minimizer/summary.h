@@ -36,6 +36,7 @@ struct IterationSummary {
   double cost = 0.0;         ///< after this iteration, 1/2 sum rho [-]
   double cost_change = 0.0;  ///< decrease that was tried; negative where rejected
   /// max |g_i| at the present linearization; 0 where the solve has failed because it is not finite.
+  /// Of a last step that was not linearized (SolveOptions::gradient_tolerance 0) that before it.
   double gradient_max = 0.0;
   double step_norm =
       0.0;  ///< |dx| over all variables, of mixed units: only the course's rule looks at it

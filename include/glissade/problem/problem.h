@@ -50,6 +50,11 @@ class Problem : public Graph {
   [[nodiscard]] Result<JointCovariance> ComputeCovariance(std::span<const AnyVertex> vertices,
                                                           const CovarianceOptions& options = {});
 
+  /// The same of vertices that are not eliminated, from the system that the last step of the last
+  /// Solve() was computed from (covariance/last_solve.h): no linearization, no analysis, and also
+  /// after the graph has changed.
+  [[nodiscard]] Result<JointCovariance> CovarianceOfLastSolve(std::span<const AnyVertex> vertices);
+
   /// Takes vertices and the edges that touch them out of the graph and puts a marginal prior in
   /// their place; glissade::Marginalize (marginal/marginalize.h) with storage that is kept.
   Result<Marginalization> Marginalize(std::span<const AnyVertex> vertices,

@@ -89,7 +89,9 @@ class SlidingWindow {
   [[nodiscard]] const WindowEventCounts& recent_events() const;
   /// The covariance of the newest state, 15 x 15 row-major: pose [dp, dtheta], then speed and
   /// biases (6 x 6 without an IMU), where position and yaw of the window's oldest frame are
-  /// certain.
+  /// certain. Of a state that was solved for, it is what that solve knew, frames included that have
+  /// left since, and costs no linearization (CovarianceOfLastSolve); of one that is only predicted,
+  /// what the window knows with it.
   Status NewestCovariance(std::span<double> covariance);
   /// How far the window is from knowing what nobody measured (gauge/nullspace.h).
   Result<NullspaceReport> CheckNullspace();
