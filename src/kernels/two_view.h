@@ -33,9 +33,9 @@ struct TwoViewRun {
   const TwoViewCamera* target;
 };
 
-/// What multiplies residuals that are not whitened but by a factor.
+/// What multiplies residuals that are not whitened but by a factor, or by one for each row.
 struct TwoViewWeights {
-  double scale;  ///< of the residual
+  double scale[2];  ///< of the residual's rows; those of inverse depths are equal
   LaneLoss loss;
   const double* width;  ///< of the loss per lane (infinite: none)
 };

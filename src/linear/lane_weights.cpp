@@ -93,6 +93,20 @@ LaneWeights::Run LaneWeights::Add(const EdgePoolBase& pool, const std::int32_t* 
   return run;
 }
 
+bool LaneWeights::DiagonalOf(const Run& run, double* diagonal) const {
+  using Whitening = Run::Whitening;
+  std::fill_n(diagonal, run.rows, 1.0);
+  if (run.whitening == Whitening::kIdentity) return true;
+  if (run.whitening == Whitening::kPerLane) return false;
+  const double* L = numbers_.data() + run.root;
+  for (int k = 0; k < run.rows * run.rows; ++k) {
+    if (k % (run.rows + 1) != 0 && L[k] != 0.0) return false;
+  }
+  for (int i = 0; i < run.rows; ++i)
+    diagonal[i] = L[i * (run.rows + 1)];
+  return true;
+}
+
 void LaneWeights::AddLosses(const EdgePoolBase& pool, const std::int32_t* edges, Run* run) {
   using kernels::LaneLoss;
   for (int s = 0; s < run->count; ++s) {

@@ -48,11 +48,8 @@ class LaneWeights {
 
   void Clear() { numbers_.clear(); }
   Run Add(const EdgePoolBase& pool, const std::int32_t* edges, int rows, int count, int lanes);
-  /// Of a run whose L is a factor of the identity: that factor.
-  [[nodiscard]] double ScaleOf(const Run& run) const {
-    return run.whitening == Run::Whitening::kScaled ? numbers_[static_cast<std::size_t>(run.root)]
-                                                    : 1.0;
-  }
+  /// Of a run with one L that is diagonal: writes its diagonal, `rows` numbers; false for others.
+  bool DiagonalOf(const Run& run, double* diagonal) const;
   /// Of the losses per lane; null where there are none.
   [[nodiscard]] const double* WidthsOf(const Run& run) const {
     return run.loss != kernels::LaneLoss::kNone ? numbers_.data() + run.widths : nullptr;

@@ -82,8 +82,9 @@ class TwistTerms {
     /// Reprojections between ideal cameras: these, in cameras_, of points the target's alone. -1:
     /// others.
     std::int32_t host_camera = -1, target_camera = -1;
-    std::int64_t uv = 0;  ///< their measurements in uv_
-    bool in_one = false;  ///< their values need not be written down: weights are factors
+    std::int64_t uv = 0;           ///< their measurements in uv_
+    bool in_one = false;           ///< their values need not be written down: weights are factors
+    double scale[2] = {1.0, 1.0};  ///< these, of rows in normalized coordinates
     LaneWeights::Run weights;
   };
   /// 6 x 6 row-major with rows of 8.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Reprojections between ideal cameras in TwistTerms: their measurements and cameras.
+// Reprojections between cameras without distortion in TwistTerms: their measurements and cameras.
 
 #include <algorithm>
 
@@ -26,13 +26,17 @@ void TwistTerms::PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool
   const std::int32_t* edges = plan.edge_of_slot.data() + run.begin + segment->first;
   TwoViewObservation observation;
   if (!pool.TwoView(edges[0], &observation)) return;
-  using Weights = LaneWeights::Run;
-  segment->in_one = (segment->weights.whitening == Weights::Whitening::kIdentity ||
-                     segment->weights.whitening == Weights::Whitening::kScaled) &&
-                    !segment->weights.other_loss;
   const bool has_host = observation.uv_host != nullptr;
-  // Where values are written down, those of points are their edges' own.
-  if (!has_host && !segment->in_one) return;
+  const double *f = observation.f, *c = observation.c;
+  const bool ideal = f[0] == 1.0 && f[1] == 1.0 && c[0] == 0.0 && c[1] == 0.0;
+  double* const scale = segment->scale;
+  segment->in_one = weights_.DiagonalOf(segment->weights, scale) && !segment->weights.other_loss;
+  for (int i = 0; i < 2; ++i)
+    scale[i] *= f[i];
+  // Sums of inverse depths share what rows of one scale have in common.
+  if (has_host && scale[0] != scale[1]) segment->in_one = false;
+  // Where values are written down, those of points and of other cameras are their edges' own.
+  if (!segment->in_one && (!has_host || !ideal)) return;
   if (has_host) segment->host_camera = FindCamera(group.host.pose, observation.T_b_host);
   segment->target_camera =
       FindCamera(plan.pairs[Index(run.pair)].target.pose, observation.T_b_target);
@@ -42,12 +46,14 @@ void TwistTerms::PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool
   for (std::int32_t s = 0; s < segment->lanes; ++s, ++uv) {
     static_cast<void>(pool.TwoView(edges[s], &observation));
     double* to = uv;
-    for (const double* from : {observation.uv_host, observation.uv_target}) {
-      if (from == nullptr) continue;
-      to[0] = from[0];
-      to[segment->lanes] = from[1];
+    if (has_host) {
+      to[0] = observation.uv_host[0];
+      to[segment->lanes] = observation.uv_host[1];
       to += 2 * segment->lanes;
     }
+    const double* seen = observation.uv_target;
+    to[0] = ideal ? seen[0] : (seen[0] - c[0]) / f[0];
+    to[segment->lanes] = ideal ? seen[1] : (seen[1] - c[1]) / f[1];
   }
 }
 
@@ -130,7 +136,7 @@ double TwistTerms::CostInOne(const LandmarkPlan& plan, const LandmarkGroup& grou
 
 kernels::TwoViewWeights TwistTerms::TwoViewWeightsOf(const Segment& segment) const {
   const LaneWeights::Run& run = segment.weights;
-  return {weights_.ScaleOf(run), run.loss, weights_.WidthsOf(run)};
+  return {{segment.scale[0], segment.scale[1]}, run.loss, weights_.WidthsOf(run)};
 }
 
 }  // namespace glissade

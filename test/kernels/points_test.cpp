@@ -112,7 +112,7 @@ TEST_P(PointsTest, ViewsInOnePassAreThoseOfTheirValues) {
          {LaneLoss::kNone, LaneLoss::kHuber, LaneLoss::kCauchy, LaneLoss::kTukey}) {
       for (const bool sets : {false, true}) {
         const PointViewRun run = scene.Run(masked);
-        const TwoViewWeights weights{100.0, loss, scene.width.data()};
+        const TwoViewWeights weights{{100.0, 80.0}, loss, scene.width.data()};
         Random random(3);
         Guarded F = Numbers(6 * kLanes, random), g = Numbers(3 * kLanes, random);
         Guarded F_other = F, g_other = g;
@@ -132,11 +132,11 @@ TEST_P(PointsTest, ViewsInOnePassAreThoseOfTheirValues) {
           }
           const double u = q[0] / q[2], v = q[1] / q[2];
           r[I(s)] = 100.0 * (u - scene.uv[I(s)]);
-          r[I(kLanes + s)] = 100.0 * (v - scene.uv[I(kLanes + s)]);
+          r[I(kLanes + s)] = 80.0 * (v - scene.uv[I(kLanes + s)]);
           const double f[2][3] = {{1.0 / q[2], 0.0, -u / q[2]}, {0.0, 1.0 / q[2], -v / q[2]}};
           for (int row = 0; row < 2; ++row) {
             for (int i = 0; i < 3; ++i)
-              J[I((3 * row + i) * kLanes + s)] = f[row][i];
+              J[I((3 * row + i) * kLanes + s)] = weights.scale[row] * f[row][i];
           }
           const double counts = masked ? scene.mask[I(s)] : 1.0;
           squares[I(s)] = counts * (r[I(s)] * r[I(s)] + r[I(kLanes + s)] * r[I(kLanes + s)]);
@@ -149,7 +149,7 @@ TEST_P(PointsTest, ViewsInOnePassAreThoseOfTheirValues) {
         }
         for (int s = 0; s < kLanes && masked; ++s)
           factor[I(s)] *= scene.mask[I(s)];
-        TwistRun same{2, kLanes, r.data(), J.data(), nullptr, 100.0, factor.data()};
+        TwistRun same{2, kLanes, r.data(), J.data(), nullptr, 1.0, factor.data()};
         const PointTotals to_other{F_other.data(), g_other.data(), kLanes, sets, scene.turn.data()};
         ASSERT_EQ(k().point_sums(&same, &to_other), 1);
         EXPECT_NEAR(cost, expected, 1e-12 * expected);
@@ -167,7 +167,7 @@ TEST_P(PointsTest, ViewsInOnePassAreThoseOfTheirValues) {
 
 TEST_P(PointsTest, WhatIsNotFiniteIsSaid) {
   Scene scene(4);
-  const TwoViewWeights weights{1.0, LaneLoss::kCauchy, scene.width.data()};
+  const TwoViewWeights weights{{1.0, 1.0}, LaneLoss::kCauchy, scene.width.data()};
   Guarded F(I(6 * Scene::kLanes)), g(I(3 * Scene::kLanes));
   const PointTotals to{F.data(), g.data(), Scene::kLanes, true, scene.turn.data()};
   const PointViewRun run = scene.Run(true);

@@ -138,7 +138,7 @@ TEST_P(TwoViewTest, SumsInOnePassAreThoseOfTheValues) {
          {LaneLoss::kNone, LaneLoss::kHuber, LaneLoss::kCauchy, LaneLoss::kTukey}) {
       for (const bool sets : {false, true}) {
         const TwoViewRun run = scene.Run(masked);
-        const TwoViewWeights weights{3.0, loss, scene.width.data()};
+        const TwoViewWeights weights{{3.0, 3.0}, loss, scene.width.data()};
         Totals in_one, in_turn;
         const TwistTotals to = in_one.To(scene.frame, sets);
         double cost = -1.0;
@@ -193,7 +193,7 @@ TEST_P(TwoViewTest, SumsInOnePassAreThoseOfTheValues) {
 TEST_P(TwoViewTest, WhatIsNotFiniteIsSaid) {
   Scene scene(3);
   const TwoViewRun run = scene.Run(true);
-  const TwoViewWeights weights{1.0, LaneLoss::kHuber, scene.width.data()};
+  const TwoViewWeights weights{{1.0, 1.0}, LaneLoss::kHuber, scene.width.data()};
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int s = 0; s < Scene::kLanes; ++s) {
     Totals totals;

@@ -141,7 +141,7 @@ constexpr EdgeOps EdgeOpsOf<E, VertexList<V...>>::Make() {
     };
   }
   // The library's own types only: these are equal within a run in all that is not measured.
-  if constexpr (kLibraryEvaluates<E> && requires(const E& e) { e.TwoView(); }) {
+  if constexpr (kHasTwoView<E> && requires(const E& e) { e.TwoView(); }) {
     ops.two_view = [](const void* edge, TwoViewObservation* observation) {
       *observation = static_cast<const E*>(edge)->TwoView();
     };

@@ -33,6 +33,10 @@ namespace internal {
 template <class E>
 inline constexpr bool kLibraryEvaluates = false;
 
+/// Edges of the library whose TwoView() is to be believed, whoever compiles their camera's code.
+template <class E>
+inline constexpr bool kHasTwoView = kLibraryEvaluates<E>;
+
 /// What a member named in kLanes is to Evaluate.
 template <class T, class Member>
 struct LaneOf {

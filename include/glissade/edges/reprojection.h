@@ -6,6 +6,7 @@
 
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
+#include "glissade/cameras/pinhole.h"
 #include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
 #include "glissade/edges/two_view_observation.h"
@@ -71,6 +72,10 @@ struct EdgeReprojectionOf {
   [[nodiscard]] TwoViewObservation TwoView() const requires std::same_as<Camera, CameraIdentity> {
     return {uv_host.data(), uv_target.data(), T_b_c.data, T_b_c.data};
   }
+  [[nodiscard]] TwoViewObservation TwoView() const requires std::same_as<Camera, CameraPinhole> {
+    return {uv_host.data(), uv_target.data(),       T_b_c.data,
+            T_b_c.data,     {camera.fx, camera.fy}, {camera.cx, camera.cy}};
+  }
 
   /// Same camera: two observations of one landmark by it in one frame are duplicates.
   [[nodiscard]] bool SameSensor(const EdgeReprojectionOf& other) const {
@@ -99,5 +104,7 @@ inline constexpr TypeInfo kTypeInfo<EdgeReprojection>{"EdgeReprojection"};
 template <>
 inline constexpr bool internal::kLibraryEvaluates<EdgeReprojection> = true;
 extern template struct internal::EdgeOpsOf<EdgeReprojection>;
+template <>
+inline constexpr bool internal::kHasTwoView<EdgeReprojectionOf<CameraPinhole>> = true;
 
 }  // namespace glissade

@@ -6,6 +6,7 @@
 
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
+#include "glissade/cameras/pinhole.h"
 #include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
 #include "glissade/edges/two_view_observation.h"
@@ -67,6 +68,10 @@ struct EdgeReprojectionStereoOf {
   [[nodiscard]] TwoViewObservation TwoView() const requires std::same_as<Camera, CameraIdentity> {
     return {uv_host.data(), uv_target.data(), T_b_host.data, T_b_target.data};
   }
+  [[nodiscard]] TwoViewObservation TwoView() const requires std::same_as<Camera, CameraPinhole> {
+    return {uv_host.data(),  uv_target.data(),       T_b_host.data,
+            T_b_target.data, {camera.fx, camera.fy}, {camera.cx, camera.cy}};
+  }
 
   /// Both cameras, as duplicates do not ask for.
   [[nodiscard]] bool SameInRun(const EdgeReprojectionStereoOf& other) const {
@@ -100,5 +105,7 @@ inline constexpr TypeInfo kTypeInfo<EdgeReprojectionStereo>{"EdgeReprojectionSte
 template <>
 inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionStereo> = true;
 extern template struct internal::EdgeOpsOf<EdgeReprojectionStereo>;
+template <>
+inline constexpr bool internal::kHasTwoView<EdgeReprojectionStereoOf<CameraPinhole>> = true;
 
 }  // namespace glissade

@@ -7,6 +7,7 @@
 
 #include "glissade/base/validate.h"
 #include "glissade/cameras/identity.h"
+#include "glissade/cameras/pinhole.h"
 #include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
 #include "glissade/edges/two_view_observation.h"
@@ -69,6 +70,10 @@ struct EdgeReprojectionXYZOf {
   [[nodiscard]] TwoViewObservation TwoView() const requires std::same_as<Camera, CameraIdentity> {
     return {nullptr, uv.data(), nullptr, T_b_c.data};
   }
+  [[nodiscard]] TwoViewObservation TwoView() const requires std::same_as<Camera, CameraPinhole> {
+    return {
+        nullptr, uv.data(), nullptr, T_b_c.data, {camera.fx, camera.fy}, {camera.cx, camera.cy}};
+  }
 
   /// Same camera: two observations of one point by it in one frame are duplicates.
   [[nodiscard]] bool SameSensor(const EdgeReprojectionXYZOf& other) const {
@@ -95,5 +100,7 @@ inline constexpr TypeInfo kTypeInfo<EdgeReprojectionXYZ>{"EdgeReprojectionXYZ"};
 template <>
 inline constexpr bool internal::kLibraryEvaluates<EdgeReprojectionXYZ> = true;
 extern template struct internal::EdgeOpsOf<EdgeReprojectionXYZ>;
+template <>
+inline constexpr bool internal::kHasTwoView<EdgeReprojectionXYZOf<CameraPinhole>> = true;
 
 }  // namespace glissade

@@ -98,22 +98,30 @@ void TwoViewLanes(const TwoViewRun* run, const TwoViewValues* values) {
                        : TwoViewValuesOf<false>(*run, *values);
 }
 
-/// The residual of kW reprojections but for its scale, and rho'(s) scale^2.
+/// The residual of kW reprojections but for its scale, and rho'(s) scale^2 of each row.
 struct TwoViewResidual {
-  vd r0, r1, weight;
+  vd r0, r1, weight, weight1;
 };
 
-/// uv: two arrays of n.
-template <bool kMasked, LaneLoss kLoss>
+/// uv: two arrays of n. kByRow: rows have scales of their own; else weight1 is not set.
+template <bool kMasked, LaneLoss kLoss, bool kByRow>
 GLISSADE_INLINE TwoViewResidual WeighLanes(const double* uv, Index n, const double* mask,
                                            const TwoViewWeights& weights, vd u, vd v, Index s,
                                            vd* cost) {
   TwoViewResidual out;
   out.r0 = u - Load(uv + s);
   out.r1 = v - Load(uv + n + s);
-  out.weight = Splat(weights.scale * weights.scale);
+  const double* scale = weights.scale;
+  out.weight = Splat(scale[0] * scale[0]);
   if (kMasked) out.weight *= Load(mask + s);
-  const vd square = out.weight * (out.r0 * out.r0 + out.r1 * out.r1);
+  vd square;
+  if (kByRow) {
+    out.weight1 = Splat(scale[1] * scale[1]);
+    if (kMasked) out.weight1 *= Load(mask + s);
+    square = out.weight * (out.r0 * out.r0) + out.weight1 * (out.r1 * out.r1);
+  } else {
+    square = out.weight * (out.r0 * out.r0 + out.r1 * out.r1);
+  }
   if (kLoss == LaneLoss::kNone) {
     *cost += square;
     return out;
@@ -121,6 +129,7 @@ GLISSADE_INLINE TwoViewResidual WeighLanes(const double* uv, Index n, const doub
   vd weight;
   *cost += LossOf<kLoss>(square, Load(weights.width + s), &weight);
   out.weight *= weight;
+  if (kByRow) out.weight1 *= weight;
   return out;
 }
 
@@ -130,8 +139,8 @@ double TwoViewCostOf(const TwoViewRun& run, const TwoViewWeights& weights) {
   vd cost = Zero();
   for (Index s = 0; s < run.lanes; s += kW) {
     const TwoViewPoint point = ProjectLanes<kMasked>(run, pose, s);
-    WeighLanes<kMasked, kLoss>(run.uv + 2 * Index{run.lanes}, run.lanes, run.mask, weights, point.u,
-                               point.v, s, &cost);
+    WeighLanes<kMasked, kLoss, false>(run.uv + 2 * Index{run.lanes}, run.lanes, run.mask, weights,
+                                      point.u, point.v, s, &cost);
   }
   return 0.5 * Sum(cost);
 }

@@ -140,7 +140,7 @@ GLISSADE_INLINE void AddForces(const TwoViewRun& run, const TwoViewWeights& weig
   for (Index s = begin; s < end; s += kW) {
     const TwoViewPoint point = ProjectLanes<kMasked>(run, pose, s);
     const vd u = point.u, v = point.v, inverse_z = point.inverse_z;
-    const TwoViewResidual residual = WeighLanes<kMasked, kLoss>(
+    const TwoViewResidual residual = WeighLanes<kMasked, kLoss, false>(
         run.uv + 2 * Index{run.lanes}, run.lanes, run.mask, weights, u, v, s, &squares);
     const vd w = residual.weight, r0 = residual.r0, r1 = residual.r1;
     const vd g = inverse_z * point.rho;
