@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "glissade/base/index.h"
-#include "glissade/base/validate.h"
 #include "window/sliding_window_impl.h"
 #include "window/triangulate.h"
 
@@ -97,9 +96,7 @@ Status SlidingWindow::Associate(std::span<const FrameObservation> observations) 
       w.predicted_cameras.emplace_back(camera, frame.T_w_b);
   }
   for (const FrameObservation& o : observations) {
-    const double uv[2] = {o.u, o.v};
-    if (o.camera < 0 || Index(o.camera) >= w.options.cameras.size() ||
-        !internal::AllFinite(uv, 2)) {
+    if (!w.MakesSense(o)) {
       w.Count(WindowEvent::kObservationRefused);
       continue;
     }

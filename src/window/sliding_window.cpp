@@ -93,8 +93,13 @@ Status SlidingWindow::AddFrame(std::int64_t stamp_ns,
   if (w.phase == WindowPhase::kInitializing) {
     if (Status s = w.CheckFrameStamp(stamp_ns); !s.ok()) return w.Refused(std::move(s));
     w.Remember(stamp_ns, observations);
+    const std::size_t refused = observations.size() - w.seen.back().observations.size();
     if (Status s = TryToStart(stamp_ns); !s.ok()) return s;
     if (w.phase == WindowPhase::kInitializing) {
+      // Nobody else will look at them.
+      if (refused > 0) {
+        w.Count(WindowEvent::kObservationRefused, static_cast<std::int64_t>(refused));
+      }
       w.last_stamp_ns = stamp_ns;
       w.ForgetSamples();
       return {};

@@ -174,6 +174,9 @@ struct SlidingWindow::Impl {
   /// Asked once of each frame's stamp.
   bool FrameClockWasSet(std::int64_t stamp_ns);
 
+  /// By a camera that there is, and finite.
+  [[nodiscard]] bool MakesSense(const FrameObservation& o) const;
+  /// Those that make sense.
   void Remember(std::int64_t stamp_ns, std::span<const FrameObservation> observations);
   /// The frames remembered since a stamp.
   std::span<const FrameObservations> SeenSince(std::int64_t stamp_ns);

@@ -3,8 +3,10 @@
 //
 // A body that stands still measures its velocity, zero, and that it is where it was.
 #include <algorithm>
+#include <iterator>
 
 #include "glissade/base/index.h"
+#include "glissade/base/validate.h"
 #include "glissade/edges/body_velocity.h"
 #include "glissade/edges/relative_pose.h"
 #include "glissade/window/stillness.h"
@@ -50,7 +52,15 @@ void SlidingWindow::Impl::Remember(std::int64_t stamp_ns,
   // As much as any has had, so that storage that is handed on is soon enough for each.
   most_seen = std::max(most_seen, observations.size());
   seen.back().observations.reserve(most_seen);
-  seen.back().observations.assign(observations.begin(), observations.end());
+  std::vector<FrameObservation>& kept = seen.back().observations;
+  kept.clear();
+  std::copy_if(observations.begin(), observations.end(), std::back_inserter(kept),
+               [&](const FrameObservation& o) { return MakesSense(o); });
+}
+
+bool SlidingWindow::Impl::MakesSense(const FrameObservation& o) const {
+  const double uv[2] = {o.u, o.v};
+  return o.camera >= 0 && Index(o.camera) < options.cameras.size() && internal::AllFinite(uv, 2);
 }
 
 std::span<const FrameObservations> SlidingWindow::Impl::SeenSince(std::int64_t stamp_ns) {

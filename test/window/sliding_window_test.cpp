@@ -169,6 +169,30 @@ TEST(SlidingWindow, APredictedStateIsLessCertainThanASolvedOne) {
   EXPECT_EQ(compared, 20);
 }
 
+// A recording of two cameras handed to a window that knows one, with a NaN in each frame besides.
+TEST(SlidingWindow, ObservationsThatMakeNoSenseDoNotKeepItFromBeginning) {
+  const Viotracks flight = MakeFlight(3);
+  SlidingWindowOptions options = OptionsFor(flight);
+  options.cameras.resize(1);
+  SlidingWindow window(options);
+  ViotracksReplay replay(flight);
+  std::int64_t of_others = 0;
+  for (int frame = 0; frame < 40 && replay.Next(); ++frame) {
+    ASSERT_TRUE(window.AddImu(replay.imu()).ok());
+    std::vector<FrameObservation> observations(replay.observations().begin(),
+                                               replay.observations().end());
+    for (const FrameObservation& o : observations)
+      of_others += o.camera != 0 ? 1 : 0;
+    observations.push_back(observations.front());
+    observations.back().u = kNaN;
+    ++of_others;
+    ASSERT_TRUE(window.AddFrame(replay.stamp_ns(), observations).ok());
+    ASSERT_TRUE(window.Optimize().ok());
+  }
+  EXPECT_EQ(window.phase(), WindowPhase::kRunning);
+  EXPECT_EQ(window.total_events()[WindowEvent::kObservationRefused], of_others);
+}
+
 TEST(SlidingWindow, ASceneWithoutFeaturesIsBridgedByTheImu) {
   const Viotracks flight = MakeFlight(8);
   SlidingWindow window(OptionsFor(flight));
