@@ -86,7 +86,7 @@ bool SlidingWindow::Impl::IsNearPrediction(const WindowLandmark& landmark,
 }
 
 Status SlidingWindow::Associate(std::span<const FrameObservation> observations) {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
   const WindowFrame& frame = w.frames.back();
   w.seen_by_camera.assign(w.options.cameras.size(), 0);
@@ -141,7 +141,7 @@ void SlidingWindow::Impl::UpdateCamerasInWorld() {
 }
 
 Status SlidingWindow::TriangulateTracks() {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
   w.UpdateCamerasInWorld();
   const std::int64_t newest = w.frames.back().id;
@@ -184,7 +184,7 @@ Status SlidingWindow::TriangulateTracks() {
 }
 
 void SlidingWindow::ChooseKeyframe(KeyframeChoice choice) {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.frames.empty()) return;
   WindowFrame& frame = w.frames.back();
   const auto before = std::find_if(w.frames.rbegin() + 1, w.frames.rend(),

@@ -20,8 +20,9 @@ Status SlidingWindow::Impl::CheckFrameStamp(std::int64_t stamp_ns) const {
   }
   if (NanosecondsBetween(last_stamp_ns, stamp_ns) > options.max_frame_gap_ns) {
     return {StatusCode::kInvalidArgument,
-            std::string("the frame's stamp is too far after the last frame's: s ")
-                .append(std::to_string(SecondsBetween(last_stamp_ns, stamp_ns)))};
+            std::string("the frame's stamp is too far after the last frame's: ")
+                .append(std::to_string(SecondsBetween(last_stamp_ns, stamp_ns)))
+                .append(" s")};
   }
   return {};
 }

@@ -81,12 +81,12 @@ Status SlidingWindow::Impl::Start(const WindowState& state, const SquareMatrix<1
 }
 
 Status SlidingWindow::Start(const WindowState& state, const InitialSigmas& sigmas) {
-  if (!impl_->options_status.ok()) return impl_->options_status;
+  if (!impl().options_status.ok()) return impl().options_status;
   if (Status s = sigmas.Validate(); !s.ok()) return s;
-  if (impl_->phase != WindowPhase::kInitializing) {
+  if (impl().phase != WindowPhase::kInitializing) {
     return {StatusCode::kInvalidArgument, "the window has a first state already"};
   }
-  return impl_->Start(state, sigmas);
+  return impl().Start(state, sigmas);
 }
 
 Status SlidingWindow::Impl::Start(const WindowState& state, const InitialSigmas& sigmas) {
@@ -119,7 +119,7 @@ Status SlidingWindow::Impl::TryToStartStanding(std::int64_t stamp_ns) {
 }
 
 Status SlidingWindow::TryToStart(std::int64_t stamp_ns) {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (!w.HasImu()) {
     return w.Start({stamp_ns, w.resume_at.value_or(Pose()), {}}, SquareMatrix<11>::Identity());
   }
@@ -135,7 +135,7 @@ Status SlidingWindow::TryToStart(std::int64_t stamp_ns) {
 /// A first state from the last frames, if the body moves: they become the window's frames, and
 /// their observations and IMU terms say what is known of them.
 Status SlidingWindow::TryToStartMoving() {
-  Impl& w = *impl_;
+  Impl& w = impl();
   InitializationInput input;
   input.cameras = w.options.cameras;
   input.frames = w.SeenSince(std::numeric_limits<std::int64_t>::min());

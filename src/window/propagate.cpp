@@ -115,7 +115,7 @@ Status SlidingWindow::Impl::AppendFrameByImu(std::int64_t stamp_ns, const Pose& 
 }
 
 Status SlidingWindow::Propagate(std::int64_t stamp_ns) {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
   if (Status s = w.CheckFrameStamp(stamp_ns); !s.ok()) return s;
   const WindowFrame last = w.frames.back();
@@ -143,7 +143,7 @@ Status SlidingWindow::Propagate(std::int64_t stamp_ns) {
 }
 
 Status SlidingWindow::ReplaceImuTerms() {
-  Impl& w = *impl_;
+  Impl& w = impl();
   for (std::size_t k = 1; k < w.frames.size(); ++k) {
     WindowFrame& from = w.frames[k - 1];
     WindowFrame& to = w.frames[k];

@@ -10,7 +10,7 @@ namespace glissade {
 using internal::Index;
 
 Status SlidingWindow::RejectOutliers() {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.frames.empty()) return {};
   w.UpdateCamerasInWorld();
   for (WindowLandmark& landmark : w.Landmarks()) {

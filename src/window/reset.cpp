@@ -50,7 +50,7 @@ Status SlidingWindow::Impl::ClearGraph() {
 }
 
 Status SlidingWindow::Reset() {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
   const WindowState state = w.newest;
   if (Status s = w.ClearGraph(); !s.ok()) return s;
@@ -62,7 +62,7 @@ Status SlidingWindow::Reset() {
 }
 
 void SlidingWindow::Reinitialize() {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.phase != WindowPhase::kRunning) return;
   w.bias_prior = w.options.bias_prior;
   if (w.IsPlausible()) {

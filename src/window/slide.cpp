@@ -105,7 +105,7 @@ Status SlidingWindow::Impl::JoinImuTerms(int first, int last) {
 }
 
 Status SlidingWindow::Slide() {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.frames.empty()) return {};
   w.plan.Clear();
   w.options.policy->Decide(view(), &w.plan);

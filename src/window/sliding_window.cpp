@@ -63,18 +63,27 @@ SlidingWindow::~SlidingWindow() = default;
 SlidingWindow::SlidingWindow(SlidingWindow&&) noexcept = default;
 SlidingWindow& SlidingWindow::operator=(SlidingWindow&&) noexcept = default;
 
+SlidingWindow::Impl& SlidingWindow::impl() {
+  if (impl_ == nullptr) impl_ = std::make_unique<Impl>(SlidingWindowOptions());
+  return *impl_;
+}
+const SlidingWindow::Impl& SlidingWindow::impl() const {
+  static const Impl none{SlidingWindowOptions()};
+  return impl_ != nullptr ? *impl_ : none;
+}
+
 Status SlidingWindow::AddImu(std::span<const ImuSample> samples) {
-  if (!impl_->options_status.ok()) return impl_->options_status;
-  if (!impl_->HasImu()) {
+  if (!impl().options_status.ok()) return impl().options_status;
+  if (!impl().HasImu()) {
     return {StatusCode::kInvalidArgument, "IMU samples, but the options have no imu_noise"};
   }
   Status first;
   for (const ImuSample& sample : samples) {
     bool clock_was_set = false;
-    Status s = impl_->AddSample(sample, &clock_was_set);
+    Status s = impl().AddSample(sample, &clock_was_set);
     if (clock_was_set) Reinitialize();
     if (s.ok()) continue;
-    impl_->Count(WindowEvent::kImuSampleRefused);
+    impl().Count(WindowEvent::kImuSampleRefused);
     if (first.ok()) first = std::move(s);
   }
   return first;
@@ -83,7 +92,7 @@ Status SlidingWindow::AddImu(std::span<const ImuSample> samples) {
 Status SlidingWindow::AddFrame(std::int64_t stamp_ns,
                                std::span<const FrameObservation> observations,
                                KeyframeChoice keyframe) {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (!w.options_status.ok()) return w.options_status;
   w.recent = {};
   if (w.FrameClockWasSet(stamp_ns)) {
@@ -116,13 +125,13 @@ Status SlidingWindow::AddFrame(std::int64_t stamp_ns,
 }
 
 Status SlidingWindow::Optimize(const WindowBudget& budget) {
-  if (!impl_->options_status.ok()) return impl_->options_status;
-  if (impl_->phase == WindowPhase::kInitializing) return {};
+  if (!impl().options_status.ok()) return impl().options_status;
+  if (impl().phase == WindowPhase::kInitializing) return {};
   if (Status s = Solve(budget); !s.ok()) {
-    if (impl_->failed_solves >= impl_->options.max_failed_solves) Reinitialize();
+    if (impl().failed_solves >= impl().options.max_failed_solves) Reinitialize();
     return s;
   }
-  if (!impl_->IsPlausible()) {
+  if (!impl().IsPlausible()) {
     Reinitialize();
     return {};
   }
@@ -132,7 +141,7 @@ Status SlidingWindow::Optimize(const WindowBudget& budget) {
 }
 
 Status SlidingWindow::Solve(const WindowBudget& budget) {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.frames.empty()) return {};
   SolveOptions options;
   options.max_iterations = budget.max_iterations;
@@ -144,6 +153,8 @@ Status SlidingWindow::Solve(const WindowBudget& budget) {
   // Associate() has seen to it.
   options.allow_duplicate_observations = true;
   options.gauge = w.WindowGauge();
+  // A budget that makes no sense is no failed solve.
+  if (Status s = options.Validate(); !s.ok()) return s;
   w.summary = &w.problem.Solve(options);
   if (!w.summary->ok()) {
     w.Count(WindowEvent::kSolveFailed);
@@ -159,30 +170,30 @@ Status SlidingWindow::Solve(const WindowBudget& budget) {
 }
 
 WindowPhase SlidingWindow::phase() const {
-  return impl_->phase;
+  return impl().phase;
 }
 const InitVerdict& SlidingWindow::init_verdict() const {
-  return impl_->init_verdict;
+  return impl().init_verdict;
 }
 const WindowState& SlidingWindow::newest() const {
-  return impl_->newest;
+  return impl().newest;
 }
 WindowView SlidingWindow::view() const {
-  return {impl_->frames,
-          std::span<const WindowLandmark>(impl_->landmarks).first(impl_->num_landmarks)};
+  return {impl().frames,
+          std::span<const WindowLandmark>(impl().landmarks).first(impl().num_landmarks)};
 }
 const Problem& SlidingWindow::problem() const {
-  return impl_->problem;
+  return impl().problem;
 }
 const SolveSummary& SlidingWindow::summary() const {
   static const SolveSummary none;
-  return impl_->summary != nullptr ? *impl_->summary : none;
+  return impl().summary != nullptr ? *impl().summary : none;
 }
 const WindowEventCounts& SlidingWindow::total_events() const {
-  return impl_->total;
+  return impl().total;
 }
 const WindowEventCounts& SlidingWindow::recent_events() const {
-  return impl_->recent;
+  return impl().recent;
 }
 
 Result<JointCovariance> SlidingWindow::Impl::JointOfNewest() {
@@ -209,7 +220,7 @@ Result<JointCovariance> SlidingWindow::Impl::JointOfNewest() {
 }
 
 Status SlidingWindow::NewestCovariance(std::span<double> covariance) {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.frames.empty()) return {StatusCode::kInvalidArgument, "the window has no state yet"};
   const WindowFrame& last = w.frames.back();
   const std::size_t size = last.HasSpeedBias() ? 15 : 6;
@@ -229,8 +240,8 @@ Status SlidingWindow::NewestCovariance(std::span<double> covariance) {
 
 Result<NullspaceReport> SlidingWindow::CheckNullspace() {
   NullspaceOptions options;
-  options.group = impl_->HasImu() ? GaugeGroup::kVisualInertial : GaugeGroup::kStereo;
-  return impl_->problem.CheckNullspace(options);
+  options.group = impl().HasImu() ? GaugeGroup::kVisualInertial : GaugeGroup::kStereo;
+  return impl().problem.CheckNullspace(options);
 }
 
 }  // namespace glissade

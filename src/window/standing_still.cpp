@@ -106,7 +106,7 @@ bool SlidingWindow::Impl::StandsWhereItBegan(std::int64_t anchor_id) {
 }
 
 Status SlidingWindow::UseStillness() {
-  Impl& w = *impl_;
+  Impl& w = impl();
   if (w.frames.empty() || !w.HasImu() || !w.options.use_stillness) return {};
   const WindowFrame& frame = w.frames.back();
   if (!frame.HasSpeedBias() || !w.StandsStill(frame.stamp_ns)) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "glissade/io/replay.h"
 #include "glissade/problem/problem.h"
@@ -191,6 +192,37 @@ TEST(SlidingWindow, ObservationsThatMakeNoSenseDoNotKeepItFromBeginning) {
   }
   EXPECT_EQ(window.phase(), WindowPhase::kRunning);
   EXPECT_EQ(window.total_events()[WindowEvent::kObservationRefused], of_others);
+}
+
+TEST(SlidingWindow, ABudgetThatMakesNoSenseIsRefusedAndNothingElse) {
+  const Viotracks flight = MakeFlight(3);
+  SlidingWindow window(OptionsFor(flight));
+  ViotracksReplay replay(flight);
+  for (int frame = 0; frame < 40 && replay.Next(); ++frame) {
+    ASSERT_TRUE(window.AddImu(replay.imu()).ok());
+    ASSERT_TRUE(window.AddFrame(replay.stamp_ns(), replay.observations()).ok());
+    if (frame >= 30) {
+      EXPECT_EQ(window.Optimize({.max_iterations = -1}).code(), StatusCode::kInvalidArgument);
+      EXPECT_EQ(window.Optimize({.max_time_s = kNaN}).code(), StatusCode::kInvalidArgument);
+    }
+    ASSERT_TRUE(window.Optimize().ok());
+  }
+  EXPECT_EQ(window.phase(), WindowPhase::kRunning);
+  EXPECT_EQ(window.total_events()[WindowEvent::kReset], 0);
+  EXPECT_EQ(window.total_events()[WindowEvent::kSolveFailed], 0);
+}
+
+TEST(SlidingWindow, OneThatWasMovedFromSaysThatItHasNoCamera) {
+  const Viotracks flight = MakeFlight(3);
+  SlidingWindow window(OptionsFor(flight));
+  SlidingWindow other(std::move(window));
+  const SlidingWindow& looked_at = window;
+  EXPECT_EQ(looked_at.phase(), WindowPhase::kInitializing);
+  EXPECT_TRUE(looked_at.view().frames.empty());
+  EXPECT_EQ(window.AddFrame(0, {}).code(), StatusCode::kInvalidArgument);
+  EXPECT_FALSE(window.Optimize().ok());
+  window = std::move(other);
+  EXPECT_TRUE(window.AddFrame(0, {}).ok());
 }
 
 TEST(SlidingWindow, ASceneWithoutFeaturesIsBridgedByTheImu) {

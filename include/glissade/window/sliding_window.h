@@ -129,6 +129,9 @@ class SlidingWindow {
   /// Looks for the first state in what came until this stamp; kInitializing is no failure.
   Status TryToStart(std::int64_t stamp_ns);
   Status TryToStartMoving();
+  // A window that was moved from is one whose options name no camera: it says so.
+  Impl& impl();
+  [[nodiscard]] const Impl& impl() const;
   std::unique_ptr<Impl> impl_;
 };
 
