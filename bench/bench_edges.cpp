@@ -189,8 +189,8 @@ std::vector<Row> Rows() {
   rows.push_back(Against("EdgeReprojectionStereo", stereo));
   rows.push_back(Against("EdgeReprojectionOf<CameraPinhole>", [](const EdgeReprojection& e) {
     auto edge = test::CopyOf<EdgeReprojectionOf<CameraPinhole>>(e);
-    edge.camera = CameraPinhole{400.0, 400.0, 320.0, 240.0};
-    edge.uv_target = Vector2(400.0 * e.uv_target[0] + 320.0, 400.0 * e.uv_target[1] + 240.0);
+    edge.camera = CameraPinhole{400.0, 410.0, 320.0, 240.0};
+    edge.uv_target = Vector2(400.0 * e.uv_target[0] + 320.0, 410.0 * e.uv_target[1] + 240.0);
     return std::pair(edge, 400.0);
   }));
   rows.push_back(Against(

@@ -33,9 +33,9 @@ struct TwoViewRun {
   const TwoViewCamera* target;
 };
 
-/// What multiplies residuals that are not whitened but by a factor, or by one for each row.
+/// What multiplies residuals that are not whitened but by a factor for each row.
 struct TwoViewWeights {
-  double scale[2];  ///< of the residual's rows; those of inverse depths are equal
+  double scale[2];  ///< of the residual's rows; of inverse depths scale[0] is not 0
   LaneLoss loss;
   const double* width;  ///< of the loss per lane (infinite: none)
 };

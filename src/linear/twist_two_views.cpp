@@ -4,6 +4,7 @@
 // Reprojections between cameras without distortion in TwistTerms: their measurements and cameras.
 
 #include <algorithm>
+#include <cmath>
 
 #include "linear/twist_terms.h"
 
@@ -33,8 +34,11 @@ void TwistTerms::PackTwoViews(const LandmarkPlan& plan, const EdgePoolBase& pool
   segment->in_one = weights_.DiagonalOf(segment->weights, scale) && !segment->weights.other_loss;
   for (int i = 0; i < 2; ++i)
     scale[i] *= f[i];
-  // Sums of inverse depths share what rows of one scale have in common.
-  if (has_host && scale[0] != scale[1]) segment->in_one = false;
+  // Sums of inverse depths take the second row with the weight of the first, and the difference: of
+  // weights that differ by far it would be one of large numbers.
+  constexpr double kMostUnequal = 4.0;
+  const double ratio = std::abs(scale[1] / scale[0]);
+  if (has_host && !(ratio <= kMostUnequal && ratio >= 1.0 / kMostUnequal)) segment->in_one = false;
   // Where values are written down, those of points and of other cameras are their edges' own.
   if (!segment->in_one && (!has_host || !ideal)) return;
   if (has_host) segment->host_camera = FindCamera(group.host.pose, observation.T_b_host);

@@ -136,9 +136,12 @@ TEST_P(TwoViewTest, SumsInOnePassAreThoseOfTheValues) {
   for (const bool masked : {false, true}) {
     for (const LaneLoss loss :
          {LaneLoss::kNone, LaneLoss::kHuber, LaneLoss::kCauchy, LaneLoss::kTukey}) {
-      for (const bool sets : {false, true}) {
+      for (const bool by_row : {false, true}) {
+        const bool sets = masked != by_row;
         const TwoViewRun run = scene.Run(masked);
-        const TwoViewWeights weights{{3.0, 3.0}, loss, scene.width.data()};
+        // Of each row; the run that is compared with has them in its values.
+        const double scale[2] = {3.0, by_row ? 2.0 : 3.0};
+        const TwoViewWeights weights{{scale[0], scale[1]}, loss, scene.width.data()};
         Totals in_one, in_turn;
         const TwistTotals to = in_one.To(scene.frame, sets);
         double cost = -1.0;
@@ -153,7 +156,10 @@ TEST_P(TwoViewTest, SumsInOnePassAreThoseOfTheValues) {
           squares[I(s)] = 0.0;
           for (int row = 0; row < 2; ++row) {
             double& x = r[I(row * kLanes + s)];
-            x *= 3.0;
+            x *= scale[row];
+            J_l[I(row * kLanes + s)] *= scale[row];
+            for (int column = 0; column < 6; ++column)
+              J[I((6 * row + column) * kLanes + s)] *= scale[row];
             squares[I(s)] += mask * x * x;
           }
           factor[I(s)] = 1.0;
@@ -168,7 +174,7 @@ TEST_P(TwoViewTest, SumsInOnePassAreThoseOfTheValues) {
         }
         for (int s = 0; s < kLanes && masked; ++s)
           factor[I(s)] *= scene.mask[I(s)];
-        TwistRun same{2, kLanes, r.data(), J_l.data(), J.data(), 3.0, factor.data()};
+        TwistRun same{2, kLanes, r.data(), J_l.data(), J.data(), 1.0, factor.data()};
         const TwistTotals to_other = in_turn.To(scene.frame, sets);
         ASSERT_EQ(k().twist_sums(&same, &to_other), 1);
         EXPECT_NEAR(cost, expected, 1e-12 * expected);

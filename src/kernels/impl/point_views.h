@@ -41,8 +41,8 @@ GLISSADE_INLINE PointView ViewLanes(const PointViewRun& run, const TwoViewWeight
   view.inverse_z = Splat(1.0) / q[2];
   view.u = Rounded(q[0] * view.inverse_z);
   view.v = Rounded(q[1] * view.inverse_z);
-  view.residual = WeighLanes<kMasked, kLoss, true>(run.uv, run.lanes, run.mask, weights, view.u,
-                                                   view.v, s, cost);
+  view.residual =
+      WeighLanes<kMasked, kLoss>(run.uv, run.lanes, run.mask, weights, view.u, view.v, s, cost);
   return view;
 }
 
@@ -62,7 +62,7 @@ int PointViewSumsOf(const PointViewRun& run, const TwoViewWeights& weights, cons
       row[0][i] = Splat(R[3 * i]) - view.u * Splat(R[3 * i + 2]);
       row[1][i] = Splat(R[3 * i + 1]) - view.v * Splat(R[3 * i + 2]);
     }
-    const vd w0 = residual.weight * view.inverse_z, w1 = residual.weight1 * view.inverse_z;
+    const vd w0 = residual.weight0 * view.inverse_z, w1 = residual.weight1 * view.inverse_z;
     const vd a0 = w0 * view.inverse_z, a1 = w1 * view.inverse_z;
     const vd r[2] = {w0 * residual.r0, w1 * residual.r1};
     vd F[6], g[3];

@@ -100,36 +100,33 @@ void TwoViewLanes(const TwoViewRun* run, const TwoViewValues* values) {
 
 /// The residual of kW reprojections but for its scale, and rho'(s) scale^2 of each row.
 struct TwoViewResidual {
-  vd r0, r1, weight, weight1;
+  vd r0, r1, weight0, weight1;
 };
 
-/// uv: two arrays of n. kByRow: rows have scales of their own; else weight1 is not set.
-template <bool kMasked, LaneLoss kLoss, bool kByRow>
+/// uv: two arrays of n.
+template <bool kMasked, LaneLoss kLoss>
 GLISSADE_INLINE TwoViewResidual WeighLanes(const double* uv, Index n, const double* mask,
                                            const TwoViewWeights& weights, vd u, vd v, Index s,
                                            vd* cost) {
+  const double* scale = weights.scale;
   TwoViewResidual out;
   out.r0 = u - Load(uv + s);
   out.r1 = v - Load(uv + n + s);
-  const double* scale = weights.scale;
-  out.weight = Splat(scale[0] * scale[0]);
-  if (kMasked) out.weight *= Load(mask + s);
-  vd square;
-  if (kByRow) {
-    out.weight1 = Splat(scale[1] * scale[1]);
-    if (kMasked) out.weight1 *= Load(mask + s);
-    square = out.weight * (out.r0 * out.r0) + out.weight1 * (out.r1 * out.r1);
-  } else {
-    square = out.weight * (out.r0 * out.r0 + out.r1 * out.r1);
+  out.weight0 = Splat(scale[0] * scale[0]);
+  out.weight1 = Splat(scale[1] * scale[1]);
+  if (kMasked) {
+    out.weight0 *= Load(mask + s);
+    out.weight1 *= Load(mask + s);
   }
+  const vd square = out.weight0 * (out.r0 * out.r0) + out.weight1 * (out.r1 * out.r1);
   if (kLoss == LaneLoss::kNone) {
     *cost += square;
     return out;
   }
   vd weight;
   *cost += LossOf<kLoss>(square, Load(weights.width + s), &weight);
-  out.weight *= weight;
-  if (kByRow) out.weight1 *= weight;
+  out.weight0 *= weight;
+  out.weight1 *= weight;
   return out;
 }
 
@@ -139,8 +136,8 @@ double TwoViewCostOf(const TwoViewRun& run, const TwoViewWeights& weights) {
   vd cost = Zero();
   for (Index s = 0; s < run.lanes; s += kW) {
     const TwoViewPoint point = ProjectLanes<kMasked>(run, pose, s);
-    WeighLanes<kMasked, kLoss, false>(run.uv + 2 * Index{run.lanes}, run.lanes, run.mask, weights,
-                                      point.u, point.v, s, &cost);
+    WeighLanes<kMasked, kLoss>(run.uv + 2 * Index{run.lanes}, run.lanes, run.mask, weights, point.u,
+                               point.v, s, &cost);
   }
   return 0.5 * Sum(cost);
 }
