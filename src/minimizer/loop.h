@@ -35,6 +35,7 @@ class Minimizer {
         start_(start) {}
 
   void Run() {
+    w_.solved.is_there = false;  // an analysis that fails leaves no structure to look it up in
     if (Status status = CheckInstructionSet(); !status.ok()) return Fail(std::move(status));
     if (Status status = options_.Validate(); !status.ok()) return Fail(std::move(status));
     if (Status status = graph_->ReadyToSolve(); !status.ok()) return Fail(std::move(status));

@@ -126,6 +126,13 @@ TEST(CovarianceOfLastSolve, Refusals) {
   EXPECT_EQ(code({scene.points[0]}), StatusCode::kUnknownHandle);
   EXPECT_EQ(code({states[0], states[0]}), StatusCode::kRepeatedVertex);
   EXPECT_EQ(code({}), StatusCode::kOk);
+  // A solve that fails, also before it has made a step.
+  SolveOptions bad = OneStep(gauge, 1e-9);
+  bad.max_iterations = -1;
+  ASSERT_FALSE(scene.problem.Solve(bad).ok());
+  EXPECT_EQ(code(states), StatusCode::kInvalidArgument);
+  ASSERT_TRUE(scene.problem.Solve(OneStep(gauge, 1e-9)).ok());
+  EXPECT_EQ(code(states), StatusCode::kOk);
   ASSERT_TRUE(scene.problem.MakeHessian().ok());
   EXPECT_EQ(code(states), StatusCode::kInvalidArgument);
   // Nothing holds the scene, and damping alone made the step.
