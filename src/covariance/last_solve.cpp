@@ -31,7 +31,8 @@ Status CheckStep(const SolverWorkspace& w) {
     return Refuse(StatusCode::kInvalidArgument,
                   "the last step was damped, lambda = " + std::to_string(damping.lambda));
   }
-  if (w.equations.reduced_form() == SchurForm::kDiagonalBlocks) {
+  const SchurForm form = w.equations.reduced_form();
+  if (form == SchurForm::kDiagonalBlocks || form == SchurForm::kSomeBlocks) {
     return Refuse(StatusCode::kInvalidArgument, "the last step's solver did not store S");
   }
   return {};

@@ -59,7 +59,9 @@ Status PriorMover::MoveAbsolute(const OrbitMotion& g, State&& state, std::vector
   for (int k = 0; pool != nullptr && k < pool->size(); ++k) {
     if (!pool->Alive(k) || !orbit_.Moves(pool->VertexOf(k, 0))) continue;
     const EdgeHandle<E> handle = *pool->HandleAt(k).template As<E>();
-    kept->push_back({handle, pool->At<E>(k), SquareMatrix<kDim>(pool->sqrt_information(k))});
+    kept->push_back({handle, pool->At<E>(k), SquareMatrix<kDim>::Identity()});
+    if (!pool->HasIdentityInformation(k))
+      kept->back().sqrt = SquareMatrix<kDim>(pool->sqrt_information(k));
     // Residuals are turned and scaled in their first three rows; the weight takes that back.
     SquareMatrix<kDim> sqrt = kept->back().sqrt;
     const double scale = kDim == 9 ? 1.0 : g.scale;

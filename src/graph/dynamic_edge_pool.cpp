@@ -147,6 +147,15 @@ double DynamicEdgePool::Chi2(int edge) const {
   return s;
 }
 
+std::int64_t DynamicEdgePool::MemoryBytes() const {
+  std::size_t bytes = items_.capacity() * sizeof(Entry);
+  for (const Entry& entry : items_) {
+    bytes += entry.vertices.size() * (sizeof(Vertex) + sizeof(VertexRef)) +
+             (entry.residual.size() + entry.jacobian.size()) * sizeof(double);
+  }
+  return slots_.MemoryBytes() + static_cast<std::int64_t>(bytes);
+}
+
 void DynamicEdgePool::Compact() {
   if (slots_.NumAlive() == size()) return;
   slots_.Compact([this](int from, int to) {

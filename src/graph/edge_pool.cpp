@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "graph/small_blocks.h"
 
@@ -42,8 +43,10 @@ AnyEdge EdgePool::Add(const void* edge, const AnyVertex* vertices, const double*
   edges_.Add(edge);
   for (int i = 0; i < arity_; ++i)
     vertices_.push_back(vertices[i].slot);
-  sqrt_information_.insert(sqrt_information_.end(), sqrt_information,
-                           sqrt_information + rows_ * rows_);
+  if (!identity || !sqrt_information_.empty()) {
+    sqrt_information_.insert(sqrt_information_.end(), sqrt_information,
+                             sqrt_information + rows_ * rows_);
+  }
   identity_.push_back(identity ? 1 : 0);
   loss_of_edge_.push_back(loss_index);
   const auto address = slots_.Add(stamp, graph);
@@ -64,11 +67,23 @@ bool EdgePool::CanJoin(const AnyVertex* vertices) const {
   return true;
 }
 
-void EdgePool::Reserve(std::size_t count) {
+// From now on there is a weight for each edge.
+void EdgePool::KeepWeights() {
+  const std::size_t rows = internal::Index(rows_), count = internal::Index(size());
+  if (!sqrt_information_.empty() || count == 0) return;
+  std::vector<double> weights(count * rows * rows, 0.0);
+  for (std::size_t k = 0; k < count * rows; ++k)
+    weights[k * rows + k % rows] = 1.0;
+  sqrt_information_ = std::move(weights);
+}
+
+void EdgePool::Reserve(std::size_t count, bool identity) {
   slots_.MakeRoom(count);
   edges_.MakeRoom(count);
   internal::MakeRoomIn(&vertices_, count * internal::Index(arity_));
-  internal::MakeRoomIn(&sqrt_information_, count * internal::Index(rows_ * rows_));
+  if (!identity) KeepWeights();
+  if (!identity || !sqrt_information_.empty())
+    internal::MakeRoomIn(&sqrt_information_, count * internal::Index(rows_ * rows_));
   internal::MakeRoomIn(&identity_, count);
   internal::MakeRoomIn(&loss_of_edge_, count);
   lists_.MakeRoomForLinks(count * internal::Index(arity_));
@@ -80,6 +95,8 @@ void EdgePool::RoomAt(const AnyVertex* vertices) {
 }
 
 void EdgePool::set_sqrt_information(int edge, const double* value, bool identity) {
+  if (identity && sqrt_information_.empty()) return;
+  KeepWeights();
   const std::size_t size = internal::Index(rows_ * rows_);
   std::copy_n(value, size, sqrt_information_.data() + internal::Index(edge) * size);
   identity_[internal::Index(edge)] = identity ? 1 : 0;
@@ -170,6 +187,14 @@ bool EdgePool::IsDuplicate(int edge, int other) const {
   return ops_->same_sensor == nullptr || ops_->same_sensor(Value(edge), Value(other));
 }
 
+std::int64_t EdgePool::MemoryBytes() const {
+  const std::size_t of_vectors = sizeof(std::uint32_t) * (vertices_.capacity() * 2 +  // and links
+                                                          loss_of_edge_.capacity()) +
+                                 sizeof(double) * sqrt_information_.capacity() +
+                                 identity_.capacity();
+  return edges_.MemoryBytes() + slots_.MemoryBytes() + static_cast<std::int64_t>(of_vectors);
+}
+
 void EdgePool::Compact() {
   if (slots_.NumAlive() == size()) return;
   const std::size_t arity = internal::Index(arity_), weights = internal::Index(rows_ * rows_);
@@ -177,15 +202,17 @@ void EdgePool::Compact() {
     const std::size_t f = internal::Index(from), t = internal::Index(to);
     edges_.Move(f, t);
     std::copy_n(vertices_.data() + f * arity, arity, vertices_.data() + t * arity);
-    std::copy_n(sqrt_information_.data() + f * weights, weights,
-                sqrt_information_.data() + t * weights);
+    if (!sqrt_information_.empty()) {
+      std::copy_n(sqrt_information_.data() + f * weights, weights,
+                  sqrt_information_.data() + t * weights);
+    }
     identity_[t] = identity_[f];
     loss_of_edge_[t] = loss_of_edge_[f];
   });
   const std::size_t n = internal::Index(slots_.Size());
   edges_.Truncate(n);
   vertices_.resize(n * arity);
-  sqrt_information_.resize(n * weights);
+  if (!sqrt_information_.empty()) sqrt_information_.resize(n * weights);
   identity_.resize(n);
   loss_of_edge_.resize(n);
   lists_.Clear();

@@ -38,7 +38,7 @@ Status Graph::AddNewEdge(const NewEdges& edge) {
   StructureChanged();
   EdgePool& pool = MakeEdgePool(ops);
   pool.set_evaluate_lanes(edge.evaluate_lanes);
-  pool.Reserve(1);
+  pool.Reserve(1, identity);
   pool.RoomAt(vertices);
   edge.put_handle(edge.handles, 0,
                   pool.Add(edge.edges, vertices, added_weight_.data(), identity, *edge.loss,
@@ -75,7 +75,7 @@ Status Graph::AddNewEdges(const NewEdges& edges) {
     if (status = check(k); !status.ok()) return Refused(std::move(status));
   }
   pool.set_evaluate_lanes(edges.evaluate_lanes);
-  pool.Reserve(edges.count);
+  pool.Reserve(edges.count, identity);
   for (std::size_t k = 0; k < edges.count; ++k) {
     edges.vertices_of(edges.vertices, k, vertices);
     pool.RoomAt(vertices);

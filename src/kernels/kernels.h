@@ -26,6 +26,16 @@
 
 namespace glissade::kernels {
 
+/// How many of the n columns that are still to be eliminated the factorizations below take at a
+/// time, before they update what is right of them.
+constexpr int CholeskyPanelColumns(int n) {
+  return n < 192 ? n : n < 1024 ? 96 : 192;
+}
+/// First columns of parts of syrk_packed_sub are multiples of kColumnBlock; packed W has n numbers a
+/// column, rounded up to a multiple of kPackedRows.
+constexpr int kColumnBlock = 8;
+constexpr int kPackedRows = 24;
+
 enum class Isa { kBaseline = 0, kAvx2 = 1, kAvx512 = 2 };
 
 /// Function pointers of one instruction set.
@@ -49,6 +59,9 @@ struct KernelTable {
   /// One front of a multifrontal factorization. Eliminates the first nb of n columns: on return
   /// they hold [L11; L21], and the trailing lower triangle A22 - L21 L21'. Returns as cholesky.
   int (*cholesky_partial)(int n, int nb, double* a, int lda);
+  /// Its first nb columns alone: those right of them are not updated. cholesky_partial is this for
+  /// CholeskyPanelColumns() at a time, each followed by syrk_lower_sub.
+  int (*cholesky_panel)(int n, int nb, double* a, int lda);
   /// x1 <- L11^-1 x1, x2 <- x2 - L21 x1, with x = [x1 (nb); x2 (n - nb)].
   void (*forward_solve_partial)(int n, int nb, const double* l, int lda, double* x);
   /// x1 <- L11^-T (x1 - L21' x2).
@@ -72,6 +85,11 @@ struct KernelTable {
 
   /// S -= W W' (lower triangle of S, n x n). W is n x k, column-major.
   void (*syrk_lower_sub)(int n, int k, const double* w, int ldw, double* s, int lds);
+  /// W as syrk_packed_sub takes it.
+  void (*pack_rows)(int n, int k, const double* w, int ldw, double* packed);
+  /// Columns [begin, end) of syrk_lower_sub, to the bit, for large n.
+  void (*syrk_packed_sub)(int n, int k, const double* packed, double* s, int lds, int begin,
+                          int end);
   /// S += W W'.
   void (*syrk_lower_add)(int n, int k, const double* w, int ldw, double* s, int lds);
   /// S = -W W', S not read; k > 0.

@@ -32,9 +32,16 @@ const SchurLayout& NormalEquations::ReducedLayout(const Structure& structure) {
 
 const SchurOperator& NormalEquations::reduced() {
   // Bound here, not in Eliminate(): these equations may have been moved since.
-  schur_->SetProduct([](void* self, const double* x,
-                        double* y) { static_cast<NormalEquations*>(self)->MultiplyReduced(x, y); },
-                     this);
+  SchurStorage::Owner owner;
+  owner.self = this;
+  owner.multiply = [](void* self, const double* x, double* y) {
+    static_cast<NormalEquations*>(self)->MultiplyReduced(x, y);
+  };
+  owner.pose_block = [](void* self, std::int32_t vertex, double* block) {
+    return static_cast<NormalEquations*>(self)->PoseDiagonal(vertex, block);
+  };
+  owner.threads = threads_;
+  schur_->SetOwner(owner);
   return *schur_;
 }
 
@@ -185,8 +192,8 @@ void NormalEquations::PlaceFactors(const Structure& structure) {
 
 StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& graph,
                                        const DampingTerm& damping, SchurForm form,
-                                       ThreadPool* threads) {
-  schur_->LayOut(structure, form);
+                                       ThreadPool* threads, std::span<const std::int32_t> wanted) {
+  schur_->LayOut(structure, form, wanted);
   eliminated_ = &structure;
   threads_ = threads;
   damping_ = damping;

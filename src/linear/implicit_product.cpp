@@ -62,4 +62,19 @@ void NormalEquations::MultiplyReduced(const double* x, double* y) {
   }
 }
 
+bool NormalEquations::PoseDiagonal(std::int32_t vertex, double* block) {
+  const Hessian H = GetHessian(*eliminated_);
+  if (H.num_pairs() != eliminated_->poses().size()) return false;
+  const DenseBlock diagonal = H.Diagonal(vertex);
+  const std::int32_t offset = H.offset(vertex);
+  for (int c = 0; c < diagonal.cols; ++c) {
+    const std::size_t scalar = Index(offset + c);
+    for (int r = 0; r < diagonal.rows; ++r)
+      block[r + c * diagonal.rows] = diagonal.data[r * diagonal.cols + c];
+    double& pivot = block[c + c * diagonal.rows];
+    pivot = held_[scalar] != 0 ? 1.0 : pivot + DampingAt(scalar);
+  }
+  return true;
+}
+
 }  // namespace glissade

@@ -111,8 +111,7 @@ void LandmarkRuns::Accumulate(const Run& run, const Values& values,
     kernel.lane_products(run.rows, run.lanes, dim, J_i, 1, values.r, -1.0,
                          sink->b_p + vertex[i].target);
     kernel.lane_couplings(run.rows, run.lanes, run.count, dim, J_i, dl, J_l,
-                          w_.data() + run.w_begin + std::int64_t{i} * run.lanes,
-                          (run.sets >> i & 1u) != 0, sink->landmarks);
+                          w_.data() + run.WBegin(i), (run.sets >> i & 1u) != 0, sink->landmarks);
     for (int j = 0; j <= i; ++j) {
       const std::int64_t offset = h_block_[Index(run.pair_begin + plan::Pair(i, j))];
       if (offset == plan::kNone) continue;

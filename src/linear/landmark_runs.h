@@ -41,6 +41,13 @@ class LandmarkRuns {
       lanes += run.pool == pool ? run.lanes : 0;
     return lanes;
   }
+  /// Of the plan.
+  [[nodiscard]] std::int64_t MemoryBytes() const {
+    return static_cast<std::int64_t>(
+        runs_.capacity() * sizeof(Run) + (edge_.capacity() + landmark_.capacity()) * 4 +
+        (record_.capacity() + h_block_.capacity() + w_.capacity()) * 8 +
+        vertex_.capacity() * sizeof(Vertex) + added_.capacity() * sizeof(Added));
+  }
   void ForgetRedone() { redone_.assign(redone_.size(), 0); }
   /// Before a linearization: zeros in what is added to, of a chunk's landmarks. Most of it, W, is
   /// set by the runs.
@@ -62,9 +69,14 @@ class LandmarkRuns {
     std::int64_t lane_begin = 0;    ///< in edge_, landmark_, record_
     std::int64_t vertex_begin = 0;  ///< in vertex_: `arity` of them
     std::int64_t pair_begin = 0;    ///< in h_block_: plan::NumPairs(arity) offsets
-    std::int64_t w_begin = 0;       ///< in w_: `lanes` offsets for each vertex
+    std::int64_t w_begin = 0;       ///< in w_: `lanes` offsets for each vertex but the landmark
     std::uint32_t sets = 0;         ///< bit i: its blocks of vertex i are the first ones there
     LaneWeights::Run weights;
+
+    /// In w_: the offsets of a vertex that is not the landmark.
+    [[nodiscard]] std::int64_t WBegin(int vertex) const {
+      return w_begin + std::int64_t{vertex - (vertex > landmark ? 1 : 0)} * lanes;
+    }
   };
   struct Vertex {
     std::int32_t index = 0;  ///< in its pool; of the landmark: -1

@@ -18,6 +18,9 @@ using internal::Index;
 /// Values of so many edges stay in the first-level cache while they are used.
 constexpr int kMaxRun = 64;
 constexpr int kPoseColumns = 6;
+/// Edges that are sorted into runs together. Blocks of W of so many observations by cameras of nine
+/// parameters fit into the second-level cache.
+constexpr int kMaxBatch = 4096;
 /// Each sensor costs a pass over the edges of the others.
 constexpr int kMaxSorted = 64;
 
@@ -92,14 +95,22 @@ void LandmarkRuns::Plan(const Structure& structure, const Graph& graph) {
           adds_to_all_[Index(chunk)] = 1;
         continue;
       }
-      items_.clear();
-      for (int k = 0; k < edges.count && words[plan::kLandmarkIndex] != plan::kNone; ++k) {
-        items_.push_back({KeyOf(words, arity), words});
-        words += plan::NumWords(arity);
+      // Batch by batch: what a batch's runs add to stays in the cache between them.
+      std::int32_t taken = 0;
+      while (taken < edges.count && words[plan::kLandmarkIndex] != plan::kNone) {
+        items_.clear();
+        std::int32_t landmark = words[plan::kLandmarkIndex];
+        for (; taken < edges.count && words[plan::kLandmarkIndex] != plan::kNone; ++taken) {
+          if (words[plan::kLandmarkIndex] != landmark) {
+            landmark = words[plan::kLandmarkIndex];
+            if (static_cast<int>(items_.size()) >= kMaxBatch) break;
+          }
+          items_.push_back({KeyOf(words, arity), words});
+          words += plan::NumWords(arity);
+        }
+        PlanPool(pool, edges.pool, arity, structure.landmark_records().data());
       }
-      taken_[Index(chunk) * num_pools_ + Index(edges.pool)] =
-          static_cast<std::int32_t>(items_.size());
-      PlanPool(pool, edges.pool, arity, structure.landmark_records().data());
+      taken_[Index(chunk) * num_pools_ + Index(edges.pool)] = taken;
     }
     chunk_begin_.push_back(static_cast<std::int32_t>(runs_.size()));
     if (adds_to_all_[Index(chunk)] != 0) {
@@ -118,6 +129,14 @@ void LandmarkRuns::Plan(const Structure& structure, const Graph& graph) {
     scratch.points.resize(kMaxRun);
   }
   PlanWeights(graph);
+  if (!structure.IsLarge()) return;
+  std::vector<Item>().swap(items_);
+  std::vector<Item>().swap(rest_);
+  std::vector<bool>().swap(is_written_);
+  edge_.shrink_to_fit();
+  landmark_.shrink_to_fit();
+  record_.shrink_to_fit();
+  w_.shrink_to_fit();
 }
 
 void LandmarkRuns::PlanPool(const EdgePoolBase& pool, int id, int arity,
@@ -185,6 +204,7 @@ void LandmarkRuns::AddRun(const EdgePoolBase& pool, int id, int arity, const std
     record_.push_back(records[words[plan::kLandmarkIndex]]);
   }
   for (int i = 0; i < arity; ++i) {
+    if (i == run.landmark) continue;
     for (int s = 0; s < run.lanes; ++s) {
       const std::int32_t block = items[std::min(s, count - 1)].words[plan::WBlock(arity, i)];
       w_.push_back(block != plan::kNone ? record_[Index(run.lane_begin + s)] + block : plan::kNone);
@@ -202,8 +222,9 @@ void LandmarkRuns::AddRun(const EdgePoolBase& pool, int id, int arity, const std
 // run sets all of its lanes' blocks or none.
 void LandmarkRuns::FindFirst(Run* run) {
   for (int i = 0; i < run->arity; ++i) {
-    const std::int64_t* w = w_.data() + run->w_begin + std::int64_t{i} * run->lanes;
-    if (i == run->landmark || w[0] == plan::kNone) continue;
+    if (i == run->landmark) continue;
+    const std::int64_t* w = w_.data() + run->WBegin(i);
+    if (w[0] == plan::kNone) continue;
     const std::size_t before = added_.size();
     const std::int32_t size = vertex_[Index(run->vertex_begin + i)].dim *
                               vertex_[Index(run->vertex_begin + run->landmark)].dim;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "kernels/kernels.h"
+#include "linear/threaded_cholesky.h"
 
 namespace glissade {
 
@@ -19,8 +20,9 @@ LinearSolverResult DenseCholeskySolver::Prepare(const SchurOperator& S) {
     std::copy(from + col, from + n, factor_.data() + col * stride + col);
   }
   LinearSolverResult result;
+  const int size = static_cast<int>(n);
   result.failed_pivot =
-      kernels::Kernels().cholesky(static_cast<int>(n), factor_.data(), stride_) - 1;
+      ThreadedCholesky(size, size, factor_.data(), stride_, threads_, &scratch_) - 1;
   result.ok = result.failed_pivot < 0;
   return result;
 }

@@ -83,7 +83,7 @@ void NormalEquations::LinearizeChunk(const Structure& structure, const Graph& gr
     if (run.count == 0) continue;
     const EdgePoolBase& pool = *graph.edge_pools()[Index(run.pool)];
     const std::int32_t taken = runs_->Taken(chunk, run.pool);
-    if (taken == run.count) continue;
+    if (taken == run.count) continue;  // there may be no records any more
     if (!pool.Linearize(structure.Words(run) + taken * plan::NumWords(pool.fixed_arity()),
                         run.count - taken, &sink)) {
       out.failed_pool = run.pool;
@@ -118,6 +118,24 @@ StepFailure NormalEquations::CheckCosts(const Structure& structure, const Graph&
   return failure;
 }
 
+void NormalEquations::Plan(const Structure& structure, const Graph& graph) {
+  runs_->Plan(structure, graph);
+}
+
+bool NormalEquations::IsPlanned(const Structure& structure) const {
+  return runs_->IsPlanned(structure);
+}
+
+std::vector<bool> NormalEquations::PoolsInRuns(const Structure& structure) const {
+  std::vector<bool> all(structure.EdgesOfChunk(0).size(), true);
+  for (int chunk = 0; chunk < structure.num_chunks(); ++chunk) {
+    for (const EdgeRun& edges : structure.EdgesOfChunk(chunk)) {
+      if (runs_->Taken(chunk, edges.pool) != edges.count) all[Index(edges.pool)] = false;
+    }
+  }
+  return all;
+}
+
 Status NormalEquations::Linearize(const Structure& structure, Graph* graph, ThreadPool* threads,
                                   double* cost) {
   linearized_ = 0;
@@ -128,7 +146,7 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
     const VertexPoolBase* pool = graph->PoolOf(tangent.vertex.type);
     tangent.UpdateBasis(pool->Data(pool->slots().IndexOf(tangent.vertex.slot)));
   }
-  runs_->Plan(structure, *graph);
+  Plan(structure, *graph);
   twists_->Pack(structure, *graph);
   twists_->UpdatePoses(structure, *graph);
   twists_->UpdateFrames(structure, *graph);

@@ -1,76 +1,56 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/linear/pcg.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "glissade/base/index.h"
-#include "glissade/linear/linear_solver.h"
 #include "kernels/kernels.h"
+#include "linear/schur_preconditioner.h"
 
 namespace glissade {
 
-namespace {
-using internal::Index;
-}  // namespace
+PcgSolver::PcgSolver(Schur schur, Preconditioner preconditioner)
+    : schur_(schur),
+      wanted_(preconditioner),
+      preconditioner_(std::make_unique<SchurPreconditioner>()) {}
+PcgSolver::~PcgSolver() = default;
+PcgSolver::PcgSolver(PcgSolver&&) noexcept = default;
+PcgSolver& PcgSolver::operator=(PcgSolver&&) noexcept = default;
 
-int PcgSolver::FactorDiagonalBlock(std::int64_t offset, int dim, BlockView block) {
-  if (preconditioner_ == Preconditioner::kJacobi) {
-    for (int k = 0; k < dim; ++k) {
-      const double d = block.data[k + k * block.stride];
-      if (!(d > 0.0)) return static_cast<int>(offset) + k;
-      inverse_[Index(offset + k)] = 1.0 / d;
-    }
-    return -1;
-  }
-  factor_begin_.push_back(static_cast<std::int64_t>(inverse_.size()));
-  inverse_.resize(inverse_.size() + Index(dim) * Index(dim));
-  double* factor = inverse_.data() + factor_begin_.back();
-  for (int c = 0; c < dim; ++c) {
-    for (int r = c; r < dim; ++r)
-      factor[r + c * dim] = block.data[r + c * block.stride];
-  }
-  const int info = kernels::Kernels().cholesky(dim, factor, dim);
-  return info == 0 ? -1 : static_cast<int>(offset) + info - 1;
+Preconditioner PcgSolver::preconditioner() const {
+  return preconditioner_->kind();
+}
+
+void PcgSolver::UseThreads(ThreadPool* threads) {
+  preconditioner_->UseThreads(threads);
+}
+
+SchurForm PcgSolver::Form(const SchurLayout& all_blocks) {
+  preconditioner_->Plan(all_blocks, wanted_);
+  if (schur_ == Schur::kExplicit) return SchurForm::kBlocks;
+  return wanted_ == Preconditioner::kClusterJacobi ? SchurForm::kSomeBlocks
+                                                   : SchurForm::kDiagonalBlocks;
+}
+
+std::span<const std::int32_t> PcgSolver::WantedBlocks() const {
+  return preconditioner_->wanted();
 }
 
 LinearSolverResult PcgSolver::Prepare(const SchurOperator& S) {
-  const SchurLayout& layout = S.layout();
-  factor_begin_.clear();
-  inverse_.clear();
-  if (preconditioner_ == Preconditioner::kJacobi) inverse_.resize(Index(layout.size()));
   LinearSolverResult result;
-  // Blocks are by column, so diagonal ones come in the order of the vertices.
-  for (std::size_t k = 0; k < layout.blocks.size() && result.failed_pivot < 0; ++k) {
-    const BlockIndex block = layout.blocks[k];
-    if (block.row != block.col) continue;
-    result.failed_pivot =
-        FactorDiagonalBlock(layout.offsets[Index(block.row)], layout.Dim(block.row), S.Block(k));
-  }
+  result.failed_pivot = preconditioner_->Prepare(S);
   result.ok = result.failed_pivot < 0;
   return result;
-}
-
-void PcgSolver::Precondition(const SchurLayout& layout, const double* r, double* z) const {
-  if (preconditioner_ == Preconditioner::kJacobi) {
-    for (std::size_t k = 0; k < inverse_.size(); ++k)
-      z[k] = inverse_[k] * r[k];
-    return;
-  }
-  std::copy_n(r, layout.size(), z);
-  for (std::size_t v = 0; v < factor_begin_.size(); ++v) {
-    const int dim = layout.Dim(static_cast<std::int32_t>(v));
-    kernels::Kernels().cholesky_solve(dim, inverse_.data() + factor_begin_[v], dim,
-                                      z + layout.offsets[v]);
-  }
 }
 
 LinearSolverResult PcgSolver::Solve(const SchurOperator& S, const double* b, double* x,
                                     const SolveRequest& request) {
   const kernels::KernelTable& kernel = kernels::Kernels();
-  const SchurLayout& layout = S.layout();
-  const int n = static_cast<int>(layout.size());
+  const int n = static_cast<int>(S.layout().size());
   for (std::vector<double>* v : {&r_, &z_, &p_, &q_})
-    v->resize(Index(n));
+    v->resize(internal::Index(n));
   std::copy_n(b, n, r_.data());
   if (request.guess != nullptr) {
     std::copy_n(request.guess, n, x);
@@ -81,13 +61,15 @@ LinearSolverResult PcgSolver::Solve(const SchurOperator& S, const double* b, dou
   }
   const double target = request.tolerance * std::sqrt(kernel.dot(n, b, b));
   const int cap = request.max_iterations > 0 ? request.max_iterations : 2 * n;
-  double rho = 0.0;
+  // With r = b - S x the model x'S x / 2 - b'x is -x'(b + r) / 2.
+  const auto decrease = [&] { return 0.5 * (kernel.dot(n, x, b) + kernel.dot(n, x, r_.data())); };
+  double rho = 0.0, decrease_before = request.model_tolerance > 0.0 ? decrease() : 0.0;
   LinearSolverResult result;
   result.exact = false;
   result.ok = true;
   while (result.iterations < cap && !request.Stop()) {
     if (std::sqrt(kernel.dot(n, r_.data(), r_.data())) <= target) break;
-    Precondition(layout, r_.data(), z_.data());
+    preconditioner_->Apply(S, r_.data(), z_.data());
     const double rho_next = kernel.dot(n, r_.data(), z_.data());
     if (result.iterations == 0) {
       p_ = z_;
@@ -108,6 +90,11 @@ LinearSolverResult PcgSolver::Solve(const SchurOperator& S, const double* b, dou
     kernel.axpy(n, alpha, p_.data(), x);
     kernel.axpy(n, -alpha, q_.data(), r_.data());
     ++result.iterations;
+    if (request.model_tolerance > 0.0) {
+      const double now = decrease();
+      if (result.iterations * (now - decrease_before) <= request.model_tolerance * now) break;
+      decrease_before = now;
+    }
   }
   return result;
 }

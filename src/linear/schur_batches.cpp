@@ -74,20 +74,26 @@ void SchurBatches::ListBlocks(const Structure& structure, const SchurStorage& st
   // By column, then row; landmarks in order within a block.
   SortItems(&Item::row);
   SortItems(&Item::col);
-  for (std::size_t k = 0; k < items_.size(); ++k) {
-    const Item& item = items_[k];
-    const auto at = static_cast<std::int32_t>(k);
-    if (k == 0 || item.row != items_[k - 1].row || item.col != items_[k - 1].col) {
-      if (k > 0) blocks_.back().pair_end = at;
-      const std::int32_t row = vertices_[Index(item.row)], col = vertices_[Index(item.col)];
-      const BlockPlace place = storage.Find(row, col);
+  std::int32_t pairs = 0;
+  for (std::size_t k = 0; k < items_.size();) {
+    const Item& first = items_[k];
+    std::size_t end = k + 1;
+    while (end < items_.size() && items_[end].row == first.row && items_[end].col == first.col)
+      ++end;
+    const std::int32_t row = vertices_[Index(first.row)], col = vertices_[Index(first.col)];
+    const BlockPlace place = storage.Find(row, col);
+    if (place.stored()) {
       const PoseBlock &r = structure.poses()[Index(row)], &c = structure.poses()[Index(col)];
-      blocks_.push_back({place.offset, place.stride, row == col ? r.offset : -1, at, at, col,
-                         static_cast<std::uint16_t>(r.dim), static_cast<std::uint16_t>(c.dim)});
+      const auto count = static_cast<std::int32_t>(end - k);
+      blocks_.push_back({place.offset, place.stride, row == col ? r.offset : -1, pairs,
+                         pairs + count, col, static_cast<std::uint16_t>(r.dim),
+                         static_cast<std::uint16_t>(c.dim)});
+      pairs += count;
+      for (; k < end; ++k)
+        pairs_.push_back(items_[k].pair);
     }
-    pairs_.push_back(item.pair);
+    k = end;
   }
-  if (!items_.empty()) blocks_.back().pair_end = static_cast<std::int32_t>(items_.size());
   batch->block_end = static_cast<std::int64_t>(blocks_.size());
 }
 

@@ -35,12 +35,16 @@ const SchurLayout& SchurStorage::AllBlocks(const Structure& structure) {
   return all_;
 }
 
-void SchurStorage::LayOut(const Structure& structure, SchurForm form) {
+void SchurStorage::LayOut(const Structure& structure, SchurForm form,
+                          std::span<const std::int32_t> wanted) {
   AllBlocks(structure);
-  if (laid_out_ == structure.analysis() && form_ == form) return;
+  if (laid_out_ == structure.analysis() && form_ == form && std::ranges::equal(wanted_, wanted))
+    return;
   laid_out_ = 0;
   form_ = form;
+  wanted_.assign(wanted.begin(), wanted.end());
   MakePlaces();
+  CutProduct();
   cuts_.clear();
   ListPoseBlocks(structure);
   batches_.List(structure, *this);
@@ -58,6 +62,24 @@ void SchurStorage::MakePlaces() {
   stride_.resize(n);
   place_.assign(all_.blocks.size(), -1);
   stored_.clear();
+  stored_index_.clear();
+  auto next_wanted = wanted_.begin();
+  const auto is_stored = [&](std::size_t k) {
+    const BlockIndex block = all_.blocks[k];
+    switch (form_) {
+      case SchurForm::kDense:
+      case SchurForm::kBlocks:
+        return true;
+      case SchurForm::kDiagonalBlocks:
+        return block.row == block.col;
+      case SchurForm::kSomeBlocks:
+        break;
+    }
+    if (next_wanted == wanted_.end() || Index(*next_wanted) != k) return false;
+    ++next_wanted;
+    return true;
+  };
+  const bool lists = form_ == SchurForm::kDiagonalBlocks || form_ == SchurForm::kSomeBlocks;
   std::int64_t size = 0;
   for (std::size_t c = 0; c < n; ++c) {
     const std::int64_t width = all_.Dim(static_cast<std::int32_t>(c));
@@ -73,11 +95,12 @@ void SchurStorage::MakePlaces() {
     column_[c] = size;
     std::int64_t height = 0;
     for (std::size_t k = begin; k < end; ++k) {
-      const BlockIndex block = all_.blocks[k];
-      if (form_ == SchurForm::kDiagonalBlocks && block.row != block.col) continue;
+      if (!is_stored(k)) continue;
       place_[k] = size + height;
-      height += all_.Dim(block.row);
-      if (form_ == SchurForm::kDiagonalBlocks) stored_.push_back(block);
+      height += all_.Dim(all_.blocks[k].row);
+      if (!lists) continue;
+      stored_.push_back(all_.blocks[k]);
+      stored_index_.push_back(static_cast<std::int32_t>(k));
     }
     stride_[c] = PaddedStride(height);
     size += width * stride_[c];
@@ -129,7 +152,9 @@ const std::vector<std::int32_t>& SchurStorage::CutColumns(const Structure& struc
     for (const LandmarkBlock& landmark : structure.landmarks()) {
       for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
         work_[Index(structure.slot_block()[Index(s)])] +=
-            form_ == SchurForm::kDiagonalBlocks ? 1 : landmark.slot_end - s;
+            form_ == SchurForm::kDiagonalBlocks || form_ == SchurForm::kSomeBlocks
+                ? 1
+                : landmark.slot_end - s;
       }
     }
     const std::int64_t total = std::accumulate(work_.begin(), work_.end(), std::int64_t{0});
@@ -152,24 +177,72 @@ BlockView SchurStorage::Block(std::size_t k) const {
     case SchurForm::kBlocks:
       return {data_.data() + place_[k], stride_[Index(all_.blocks[k].col)]};
     case SchurForm::kDiagonalBlocks:
+    case SchurForm::kSomeBlocks:
       break;
   }
-  // One block a column: the k-th is that of vertex k.
-  return {data_.data() + column_[k], stride_[k]};
+  const std::size_t index = Index(stored_index_[k]);
+  return {data_.data() + place_[index], stride_[Index(all_.blocks[index].col)]};
+}
+
+bool SchurStorage::PoseDiagonal(std::int32_t vertex, double* block) const {
+  return owner_.pose_block != nullptr && owner_.pose_block(owner_.self, vertex, block);
+}
+
+// Parts of about equal size, as many as there is work for: what is summed up in which order does
+// not depend on threads.
+void SchurStorage::CutProduct() {
+  constexpr std::size_t kNumbersPerPart = 65536, kMaxParts = 8;
+  product_cuts_.assign(1, 0);
+  if (form_ == SchurForm::kBlocks) {
+    const std::size_t n = all_.num_vertices();
+    const std::size_t parts = std::clamp<std::size_t>(data_.size() / kNumbersPerPart, 1, kMaxParts);
+    for (std::size_t c = 0; c < n; ++c) {
+      if (Index(column_[c]) * parts >= data_.size() * product_cuts_.size() && c > 0)
+        product_cuts_.push_back(c);
+    }
+    product_cuts_.push_back(n);
+  }
+  product_parts_.resize(product_cuts_.size() - 1);
+  for (ProductPart& part : product_parts_) {
+    part.x.resize(Index(all_.size()));
+    part.y.resize(Index(all_.size()));
+    part.sum.resize(product_parts_.size() > 1 ? Index(all_.size()) : 0);
+  }
 }
 
 void SchurStorage::Multiply(const double* x, double* y) const {
   const auto n = static_cast<int>(all_.size());
-  if (form_ == SchurForm::kDiagonalBlocks) return product_(product_self_, x, y);
-  const kernels::KernelTable& kernel = kernels::Kernels();
+  if (form_ == SchurForm::kDiagonalBlocks || form_ == SchurForm::kSomeBlocks)
+    return owner_.multiply(owner_.self, x, y);
   if (form_ == SchurForm::kDense) {
-    kernel.symv_lower(n, data_.data(), stride_.empty() ? 0 : stride_.front(), x, y);
+    kernels::Kernels().symv_lower(n, data_.data(), stride_.empty() ? 0 : stride_.front(), x, y);
     return;
   }
-  std::fill_n(y, n, 0.0);
-  x_part_.resize(Index(n));
-  y_part_.resize(Index(n));
-  for (std::size_t c = 0; c < all_.num_vertices(); ++c) {
+  if (product_parts_.size() == 1) {
+    ProductPart& part = product_parts_.front();
+    return MultiplyColumns(0, all_.num_vertices(), x, part.x.data(), part.y.data(), y);
+  }
+  const auto multiply = [&](int k) {
+    ProductPart& part = product_parts_[Index(k)];
+    MultiplyColumns(product_cuts_[Index(k)], product_cuts_[Index(k) + 1], x, part.x.data(),
+                    part.y.data(), part.sum.data());
+  };
+  if (owner_.threads != nullptr) {
+    owner_.threads->Run(static_cast<int>(product_parts_.size()), [&](int k) { multiply(k); });
+  } else {
+    for (std::size_t k = 0; k < product_parts_.size(); ++k)
+      multiply(static_cast<int>(k));
+  }
+  std::copy_n(product_parts_.front().sum.data(), n, y);
+  for (std::size_t k = 1; k < product_parts_.size(); ++k)
+    kernels::Kernels().axpy(n, 1.0, product_parts_[k].sum.data(), y);
+}
+
+// y = what block columns [begin, end) and their mirror image make of x.
+void SchurStorage::MultiplyColumns(std::size_t begin, std::size_t end, const double* x,
+                                   double* x_part, double* y_part, double* y) const {
+  std::fill_n(y, all_.size(), 0.0);
+  for (std::size_t c = begin; c < end; ++c) {
     // The rows of a block column one after the other, as it is stored.
     int rows = 0;
     const auto for_each_block = [&](auto&& f) {
@@ -182,15 +255,14 @@ void SchurStorage::Multiply(const double* x, double* y) const {
       }
     };
     for_each_block([&](std::int64_t from, int to, int dim) {
-      std::copy_n(x + from, dim, x_part_.data() + to);
-      std::fill_n(y_part_.data() + to, dim, 0.0);
+      std::copy_n(x + from, dim, x_part + to);
+      std::fill_n(y_part + to, dim, 0.0);
     });
-    kernel.symv_lower_columns(rows, all_.Dim(static_cast<std::int32_t>(c)),
-                              data_.data() + column_[c], stride_[c], x_part_.data(),
-                              y_part_.data());
+    kernels::Kernels().symv_lower_columns(rows, all_.Dim(static_cast<std::int32_t>(c)),
+                                          data_.data() + column_[c], stride_[c], x_part, y_part);
     for_each_block([&](std::int64_t to, int from, int dim) {
       for (int r = 0; r < dim; ++r)
-        y[to + r] += y_part_[Index(from + r)];
+        y[to + r] += y_part[from + r];
     });
   }
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "glissade/base/thread_pool.h"
@@ -31,8 +32,9 @@ class SchurStorage final : public SchurOperator {
  public:
   /// All blocks that can be non-zero, whatever is stored.
   const SchurLayout& AllBlocks(const Structure& structure);
-  /// Makes room and tables, if structure or form are new. Blocks outside the pattern are zero.
-  void LayOut(const Structure& structure, SchurForm form);
+  /// Makes room and tables, if structure or form are new; wanted: of kSomeBlocks, indices in the
+  /// pattern. Blocks outside the pattern are zero.
+  void LayOut(const Structure& structure, SchurForm form, std::span<const std::int32_t> wanted);
   [[nodiscard]] SchurForm form() const { return form_; }
 
   // --- What is added where -----------------------------------------------------------------------
@@ -69,15 +71,22 @@ class SchurStorage final : public SchurOperator {
   [[nodiscard]] const SchurLayout& layout() const override { return layout_; }
   [[nodiscard]] BlockView Block(std::size_t k) const override;
   void Multiply(const double* x, double* y) const override;
-  /// y = S x without S, for kDiagonalBlocks: set by whoever has H.
-  using Product = void (*)(void* self, const double* x, double* y);
-  void SetProduct(Product product, void* self) {
-    product_ = product;
-    product_self_ = self;
-  }
+  bool PoseDiagonal(std::int32_t vertex, double* block) const override;
+  /// What whoever has H does for S: y = S x without S, where it is not stored whole, and
+  /// PoseBlock().
+  struct Owner {
+    void* self = nullptr;
+    void (*multiply)(void* self, const double* x, double* y) = nullptr;
+    bool (*pose_block)(void* self, std::int32_t vertex, double* block) = nullptr;
+    ThreadPool* threads = nullptr;
+  };
+  void SetOwner(const Owner& owner) { owner_ = owner; }
 
  private:
   void MakePlaces();
+  void CutProduct();
+  void MultiplyColumns(std::size_t begin, std::size_t end, const double* x, double* x_part,
+                       double* y_part, double* y) const;
   void ListPoseBlocks(const Structure& structure);
   [[nodiscard]] std::size_t IndexOf(std::int32_t row, std::int32_t col) const;
 
@@ -86,7 +95,9 @@ class SchurStorage final : public SchurOperator {
   SchurLayout all_, layout_;
   std::vector<std::int64_t> offsets_;
   std::vector<BlockIndex> pattern_;
-  std::vector<BlockIndex> stored_;  // layout_.blocks, where that is not the pattern
+  std::vector<BlockIndex> stored_;          // layout_.blocks, where that is not the pattern
+  std::vector<std::int32_t> stored_index_;  // of each of them in the pattern
+  std::vector<std::int32_t> wanted_;        // of kSomeBlocks
   std::vector<double> data_, rhs_;
   std::vector<std::int64_t> column_;  // by vertex: offset of its block column
   std::vector<std::int32_t> stride_;
@@ -99,9 +110,13 @@ class SchurStorage final : public SchurOperator {
   std::vector<std::int32_t> cuts_;
   int num_cuts_ = 0;
   std::vector<std::int64_t> work_;
-  Product product_ = nullptr;
-  void* product_self_ = nullptr;
-  mutable std::vector<double> x_part_, y_part_;
+  Owner owner_;
+  // Of products with stored blocks: parts of the block columns, and what each has for itself.
+  std::vector<std::size_t> product_cuts_;
+  struct ProductPart {
+    std::vector<double> x, y, sum;
+  };
+  mutable std::vector<ProductPart> product_parts_;
 };
 
 }  // namespace glissade

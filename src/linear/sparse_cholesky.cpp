@@ -6,6 +6,7 @@
 
 #include "kernels/kernels.h"
 #include "linear/block_copy.h"
+#include "linear/threaded_cholesky.h"
 
 #include "glissade/base/index.h"
 
@@ -62,7 +63,7 @@ bool SparseCholeskySolver::FactorFront(const SchurOperator& S, const Supernode& 
     }
   }
 
-  const int info = kernels::Kernels().cholesky_partial(node.size, node.cols, F, node.stride);
+  const int info = ThreadedCholesky(node.size, node.cols, F, node.stride, threads_, &scratch_);
   if (info != 0) {
     std::int32_t k = node.block_begin;
     while (k + 1 < node.block_end && block_offset_[Index(k + 1)] < info)
@@ -85,6 +86,10 @@ bool SparseCholeskySolver::FactorFront(const SchurOperator& S, const Supernode& 
 LinearSolverResult SparseCholeskySolver::Prepare(const SchurOperator& S) {
   LinearSolverResult result;
   Analyze(S.layout());
+  factor_.resize(Index(factor_size_));
+  stack_.resize(Index(stack_size_));
+  front_.resize(Index(front_size_));
+  x_local_.resize(Index(local_size_));
   for (const Supernode& node : nodes_) {
     if (!FactorFront(S, node, &result.failed_pivot)) return result;
   }

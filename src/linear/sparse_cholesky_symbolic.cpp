@@ -22,7 +22,8 @@ constexpr std::int64_t kMaxInPlace = 64 * 1024;  // doubles
 void SparseCholeskySolver::Analyze(const SchurLayout& layout) {
   if (version_ == layout.version) return;
   version_ = 0;
-  Order(layout);
+  fill_order_.Find(layout, &order_);
+  FindColumns(layout);
   BuildSupernodes(layout);
   SortPostorder();
   LayOut(layout);
@@ -30,41 +31,91 @@ void SparseCholeskySolver::Analyze(const SchurLayout& layout) {
   version_ = layout.version;
 }
 
+// The columns of the factor: what S has there, and what the columns bring that have their first
+// block below the diagonal there (George and Liu 1981, Sec. 5.4).
+void SparseCholeskySolver::FindColumns(const SchurLayout& layout) {
+  const std::size_t n = layout.num_vertices();
+  position_.resize(n);
+  for (std::size_t k = 0; k < n; ++k)
+    position_[Index(order_[k])] = static_cast<std::int32_t>(k);
+  column_.resize(std::max(column_.size(), n));
+  for (std::size_t k = 0; k < n; ++k)
+    column_[k].clear();
+  for (const BlockIndex& block : layout.blocks) {
+    if (block.row == block.col) continue;
+    const bool row_first = position_[Index(block.row)] < position_[Index(block.col)];
+    column_[Index(row_first ? block.row : block.col)].push_back(row_first ? block.col : block.row);
+  }
+  first_waiting_.assign(n, -1);  // columns by their first block
+  next_waiting_.assign(n, -1);
+  local_.assign(n, -1);
+  for (const std::int32_t block : order_) {
+    std::vector<std::int32_t>& column = column_[Index(block)];
+    local_[Index(block)] = block;
+    for (const std::int32_t row : column)
+      local_[Index(row)] = block;
+    for (std::int32_t child = first_waiting_[Index(block)]; child >= 0;
+         child = next_waiting_[Index(child)]) {
+      for (const std::int32_t row : column_[Index(child)]) {
+        if (local_[Index(row)] == block) continue;
+        local_[Index(row)] = block;
+        column.push_back(row);
+      }
+    }
+    std::sort(column.begin(), column.end(), [&](std::int32_t a, std::int32_t b) {
+      return position_[Index(a)] < position_[Index(b)];
+    });
+    if (column.empty()) continue;
+    next_waiting_[Index(block)] = first_waiting_[Index(column.front())];
+    first_waiting_[Index(column.front())] = block;
+  }
+}
+
 // A block joins the supernode of its child where that brings few explicit zeros.
 void SparseCholeskySolver::BuildSupernodes(const SchurLayout& layout) {
-  const int n = static_cast<int>(layout.num_vertices());
+  const std::size_t n = layout.num_vertices();
   nodes_.clear();
   front_blocks_.clear();
-  node_of_block_.assign(Index(n), -1);
-  next_own_.assign(Index(n), -1);
+  node_of_block_.assign(n, -1);
+  next_own_.assign(n, -1);
   head_.clear();
   top_.clear();
-  const auto scalars = [&](std::int32_t block) {
-    int sum = 0;
-    for (const std::int32_t other : column_[Index(block)])
-      sum += layout.Dim(other);
-    return sum;
+  local_.resize(n);  // scalars of each column
+  for (std::size_t block = 0; block < n; ++block) {
+    local_[block] = 0;
+    for (const std::int32_t other : column_[block])
+      local_[block] += layout.Dim(other);
+  }
+  // Supernodes by the block that their last column's first block is, in the order of their numbers.
+  first_waiting_.assign(n, -1);
+  next_waiting_.clear();
+  const auto wait = [&](std::int32_t node, std::int32_t block) {
+    std::int32_t* at = &first_waiting_[Index(block)];
+    while (*at >= 0 && *at < node)
+      at = &next_waiting_[Index(*at)];
+    next_waiting_[Index(node)] = *at;
+    *at = node;
   };
   for (const std::int32_t block : order_) {
     const int dim = layout.Dim(block);
-    const int size = dim + scalars(block);
-    int best = -1;
+    const int size = dim + local_[Index(block)];
+    std::int32_t best = -1;
     int best_zeros = 0;
-    for (std::size_t s = 0; s < nodes_.size(); ++s) {
-      const auto& column = column_[Index(top_[s])];
-      if (column.empty() || column.front() != block) continue;  // not a child
-      const int cols = nodes_[s].cols;
-      const int zeros = cols * (size - scalars(top_[s]));
+    for (std::int32_t s = first_waiting_[Index(block)]; s >= 0; s = next_waiting_[Index(s)]) {
+      const int cols = nodes_[Index(s)].cols;
+      const int zeros = cols * (size - local_[Index(top_[Index(s)])]);
       // Fewer fronts are worth some zeros, but those add up: all of the front's count.
-      const int all_zeros = nodes_[s].zeros + zeros;
-      if (all_zeros <= kMaxZeros * (cols + dim) * size && (best < 0 || zeros < best_zeros)) {
-        best = static_cast<int>(s);
+      const int all_zeros = nodes_[Index(s)].zeros + zeros;
+      const double most = kMaxZeros * double(cols + dim) * size;
+      if (all_zeros <= most && (best < 0 || zeros < best_zeros)) {
+        best = s;
         best_zeros = zeros;
       }
     }
     if (best < 0) {
-      best = static_cast<int>(nodes_.size());
+      best = static_cast<std::int32_t>(nodes_.size());
       nodes_.emplace_back();
+      next_waiting_.push_back(-1);
       head_.push_back(block);
       top_.push_back(block);
     } else {
@@ -74,6 +125,8 @@ void SparseCholeskySolver::BuildSupernodes(const SchurLayout& layout) {
     nodes_[Index(best)].cols += dim;
     nodes_[Index(best)].zeros += best_zeros;
     node_of_block_[Index(block)] = best;
+    const auto& column = column_[Index(block)];
+    if (!column.empty()) wait(best, column.front());
   }
   for (std::size_t s = 0; s < nodes_.size(); ++s) {
     Supernode& node = nodes_[s];
@@ -182,14 +235,19 @@ void SparseCholeskySolver::LayOut(const SchurLayout& layout) {
       factor += std::int64_t{node.stride} * node.size;
     }
   }
-  factor_.resize(Index(factor));
   // A child's update must outlive the assembly of its parent's front only, but siblings' are below
   // each other on the stack, and the parent's own goes where the lowest of them was.
-  stack_.resize(Index(stack_size));
   const std::int64_t stride = (largest + 7) / 8 * 8;
-  front_.resize(Index(stride * largest));
-  x_local_.resize(Index(stride));
+  factor_size_ = factor;
+  stack_size_ = stack_size;
+  front_size_ = in_place_ ? 0 : stride * largest;
+  local_size_ = stride;
+  constexpr std::int64_t kDouble = sizeof(double);
+  memory_bytes_ = kDouble * (factor_size_ + stack_size_ + front_size_) +
+                  static_cast<std::int64_t>(layout.blocks.size() * sizeof(Entry) +
+                                            front_blocks_.size() * 5 * sizeof(std::int32_t));
   const auto n = static_cast<double>(layout.size());
+  flops_ = flops;
   flop_ratio_ = n > 0.0 ? flops / (n * n * n / 3.0) : 1.0;
 
   // Where the row blocks of each node lie in its parent's front.

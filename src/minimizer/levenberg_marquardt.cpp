@@ -14,19 +14,22 @@ StepStrategy::Outcome StepStrategy::SolveDamped(const DampingTerm& damping,
   SchurForm form{};
   {
     const Timed timed(&w_.summary.time.solve_s);
-    solver = w_.Solver(options_);
+    solver = w_.Solver(options_, w_.choice.type);
+    solver->UseThreads(&w_.threads);
     form = solver->Form(w_.equations.ReducedLayout(w_.structure));
   }
   w_.solved.is_there = false;  // until there is a step again
   {
     const Timed timed(&w_.summary.time.eliminate_s);
-    failure_ = w_.equations.Eliminate(w_.structure, *graph_, damping, form, &w_.threads);
+    const std::span<const std::int32_t> wanted =
+        form == SchurForm::kSomeBlocks ? solver->WantedBlocks() : std::span<const std::int32_t>();
+    failure_ = w_.equations.Eliminate(w_.structure, *graph_, damping, form, &w_.threads, wanted);
   }
   if (OutOfTime()) return Outcome::kOutOfTime;
   const bool eliminated = failure_.ok();
   if (eliminated) {
     const Timed timed(&w_.summary.time.solve_s);
-    SolveRequest request = MakeRequest(options_);
+    SolveRequest request = MakeRequest(options_, Forcing(), Progress());
     request.stop = [](void* self) { return static_cast<const StepStrategy*>(self)->OutOfTime(); };
     request.stop_data = this;
     failure_ = w_.equations.Solve(w_.structure, *graph_, solver, request, &w_.threads, result);
@@ -37,6 +40,21 @@ StepStrategy::Outcome StepStrategy::SolveDamped(const DampingTerm& damping,
   if (failure_.ok()) return Outcome::kStep;
   // Too little information for this damping: more of it helps, where it reaches.
   return !eliminated && damping.reduced_only ? Outcome::kExhausted : Outcome::kRetry;
+}
+
+// kAuto's conjugate gradients are inexact.
+double StepStrategy::Forcing() const {
+  constexpr double kForcing = 0.1;
+  const bool chosen =
+      options_.linear_solver == nullptr && options_.linear_solver_type == LinearSolverType::kAuto;
+  return chosen && options_.pcg.forcing == 0.0 ? kForcing : options_.pcg.forcing;
+}
+
+double StepStrategy::Progress() const {
+  for (auto it = w_.summary.iterations.rbegin(); it != w_.summary.iterations.rend(); ++it) {
+    if (it->iteration > 0 && it->accepted && it->cost > 0.0) return it->cost_change / it->cost;
+  }
+  return 1.0;
 }
 
 void LevenbergMarquardtStrategy::Start() {

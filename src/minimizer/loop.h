@@ -47,10 +47,10 @@ class Minimizer {
     summary_.num_threads_refused = options_.num_threads - summary_.num_threads;
     {
       const Timed timed(&summary_.time.analyze_s);
-      Status status = w_.structure.Analyze(
-          graph_, {.allow_duplicate_observations = options_.allow_duplicate_observations});
+      Status status = AnalyzeForSolve(graph_, &w_, options_);
       if (!status.ok()) return Fail(std::move(status));
     }
+    summary_.reduced = w_.choice.description;
     summary_.num_poses = static_cast<int>(w_.structure.poses().size());
     summary_.num_landmarks =
         static_cast<int>(w_.structure.landmarks().size()) + w_.structure.groups().num_landmarks;

@@ -35,7 +35,9 @@ Status SolveOptions::Validate() const {
                                     LinearSolverType::kImplicitPcg})) {
     return refuse("linear_solver_type is no LinearSolverType");
   }
-  if (!IsOneOf(pcg.preconditioner, {Preconditioner::kJacobi, Preconditioner::kBlockJacobi})) {
+  if (!IsOneOf(pcg.preconditioner,
+               {Preconditioner::kJacobi, Preconditioner::kBlockJacobi,
+                Preconditioner::kClusterJacobi, Preconditioner::kPowerSeries})) {
     return refuse("pcg.preconditioner is no Preconditioner");
   }
   if (max_iterations < 0) return refuse("max_iterations must not be negative");
@@ -57,6 +59,8 @@ Status SolveOptions::Validate() const {
     return refuse("0 < min_diagonal <= max_diagonal is needed");
   }
   if (!non_negative(pcg.tolerance)) return refuse("pcg.tolerance must not be negative");
+  if (!(pcg.forcing >= 0.0 && pcg.forcing < 1.0)) return refuse("pcg.forcing must be in [0, 1)");
+  if (memory_limit < 0) return refuse("memory_limit must not be negative");
   if (pcg.max_iterations < 0) return refuse("pcg.max_iterations must not be negative");
   if (num_threads < 1 || num_threads > 1024) return refuse("num_threads must be 1 to 1024");
   return {};

@@ -64,6 +64,10 @@ class StepStrategy {
  protected:
   /// Eliminates and solves with the given damping: equations.step() holds dx.
   Outcome SolveDamped(const DampingTerm& damping, LinearSolverResult* result);
+  /// PcgOptions::forcing, or what kAuto takes for it.
+  [[nodiscard]] double Forcing() const;
+  /// Relative decrease of the cost by the last step that was accepted; 1 before there is one.
+  [[nodiscard]] double Progress() const;
   [[nodiscard]] bool OutOfTime() const { return SecondsSince(start_) > options_.max_time_s; }
 
   Graph* graph_;

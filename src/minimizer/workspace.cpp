@@ -4,15 +4,14 @@
 #include "glissade/minimizer/minimizer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 
 namespace glissade {
 
-LinearSolver* SolverWorkspace::Solver(const SolveOptions& options) {
+LinearSolver* SolverWorkspace::Solver(const SolveOptions& options, LinearSolverType type) {
   if (options.linear_solver != nullptr) return options.linear_solver;
-  switch (options.linear_solver_type) {
-    case LinearSolverType::kDenseCholesky:
-      return &dense_cholesky;
+  switch (type) {
     case LinearSolverType::kSparseCholesky:
       return &sparse_cholesky;
     case LinearSolverType::kPcg:
@@ -21,23 +20,10 @@ LinearSolver* SolverWorkspace::Solver(const SolveOptions& options) {
     case LinearSolverType::kImplicitPcg:
       implicit_pcg.set_preconditioner(options.pcg.preconditioner);
       return &implicit_pcg;
+    case LinearSolverType::kDenseCholesky:
     case LinearSolverType::kAuto:
       break;
   }
-  // With more of the blocks than this there is nothing to gain from leaving some out.
-  constexpr double kDenseFraction = 0.8;
-  // Small fronts run at about a third of the speed of one dense factorization.
-  constexpr double kWorthwhile = 0.3;
-  // One dense factorization of these takes less than the symbolic analysis of a sparse one.
-  constexpr int kSmall = 128;
-  if (structure.num_pose_scalars() <= kSmall) return &dense_cholesky;
-  const SchurLayout& layout = equations.ReducedLayout(structure);
-  const auto n = static_cast<double>(layout.num_vertices());
-  if (static_cast<double>(layout.blocks.size()) > kDenseFraction * 0.5 * n * (n + 1.0)) {
-    return &dense_cholesky;
-  }
-  sparse_cholesky.Analyze(layout);
-  if (sparse_cholesky.FlopRatio() < kWorthwhile) return &sparse_cholesky;
   return &dense_cholesky;
 }
 
@@ -86,7 +72,7 @@ void SolverWorkspace::Restore() {
   dense_cholesky = DenseCholeskySolver();
   sparse_cholesky = SparseCholeskySolver();
   pcg = PcgSolver();
-  implicit_pcg = PcgSolver(SchurForm::kDiagonalBlocks);
+  implicit_pcg = PcgSolver(PcgSolver::Schur::kImplicit);
   for (auto* v : {&dogleg_scale, &dogleg_gradient, &dogleg_step, &watched_states})
     *v = {};
   discarded = false;
@@ -114,10 +100,11 @@ DampingTerm MakeDamping(const SolveOptions& options, double lambda) {
   return damping;
 }
 
-SolveRequest MakeRequest(const SolveOptions& options) {
+SolveRequest MakeRequest(const SolveOptions& options, double forcing, double progress) {
   SolveRequest request;
   request.tolerance = options.pcg.tolerance;
   request.max_iterations = options.pcg.max_iterations;
+  request.model_tolerance = std::clamp(std::sqrt(progress), 0.01 * forcing, forcing);
   return request;
 }
 

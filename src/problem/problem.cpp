@@ -79,6 +79,24 @@ const SolveSummary& Problem::Solve(const SolveOptions& options) {
   return glissade::Solve(this, &w.solver, options);
 }
 
+Result<MemoryEstimate> Problem::EstimateMemory(const SolveOptions& options) {
+  if (Status status = options.Validate(); !status.ok()) return status;
+  if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();
+  SolverWorkspace& w = workspace_->solver;
+  SolveOptions unlimited = options;
+  unlimited.memory_limit = 0;
+  MemoryEstimate memory;
+  const Status status = Guarded(&w, [&]() -> Status {
+    w.Restore();
+    if (Status s = AnalyzeForSolve(this, &w, unlimited); !s.ok()) return s;
+    memory = glissade::EstimateMemory(*this, w.structure, &w.equations, w.sparse_cholesky,
+                                      w.choice.type, options.num_threads);
+    return {};
+  });
+  if (!status.ok()) return status;
+  return memory;
+}
+
 Result<NullspaceReport> Problem::CheckNullspace(const NullspaceOptions& options) {
   if (workspace_ == nullptr) workspace_ = std::make_unique<Workspace>();
   SolverWorkspace& last = workspace_->solver;
@@ -133,14 +151,19 @@ Status Problem::SolveLinearSystem(double lambda, const SolveOptions& options) {
   workspace_->solved = false;
   const DampingTerm damping = MakeDamping(options, lambda);
   return Guarded(&w, [&]() -> Status {
-    LinearSolver* const solver = w.Solver(options);
+    if (Status status = ChooseSolver(*this, &w, options, &w.choice); !status.ok()) return status;
+    LinearSolver* const solver = w.Solver(options, w.choice.type);
+    solver->UseThreads(&w.threads);
+    const SchurForm form = solver->Form(w.equations.ReducedLayout(w.structure));
+    const std::span<const std::int32_t> wanted =
+        form == SchurForm::kSomeBlocks ? solver->WantedBlocks() : std::span<const std::int32_t>();
     StepFailure failure =
-        w.equations.Eliminate(w.structure, *this, damping,
-                              solver->Form(w.equations.ReducedLayout(w.structure)), &w.threads);
+        w.equations.Eliminate(w.structure, *this, damping, form, &w.threads, wanted);
     if (!failure.ok()) return failure;
     LinearSolverResult result;
     failure =
-        w.equations.Solve(w.structure, *this, solver, MakeRequest(options), &w.threads, &result);
+        w.equations.Solve(w.structure, *this, solver,
+                          MakeRequest(options, options.pcg.forcing, 1.0), &w.threads, &result);
     if (!failure.ok()) return failure;
     const std::vector<double>& step = w.equations.step();
     if (!internal::AllFinite(step.data(), static_cast<int>(step.size()))) {

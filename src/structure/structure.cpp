@@ -29,7 +29,8 @@ std::uint64_t NewAnalysis() {
 
 Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   const bool must_check = !checked_duplicates_ && !options.allow_duplicate_observations;
-  if (IsCurrent(*graph) && !must_check && groups_landmarks_ == options.group_landmarks &&
+  if (IsCurrent(*graph) && !must_check && (has_records_ || !options.needs_records) &&
+      groups_landmarks_ == options.group_landmarks &&
       Reach(*graph) <= 2.0 * std::max(plan_.reach, LandmarkPlan::kMaxReach)) {
     return {};
   }
@@ -122,6 +123,7 @@ Status Structure::Analyze(Graph* graph, const StructureOptions& options) {
   if (linear != nullptr) WriteConstantEdges(linear_id, *linear);
   if (Status status = CheckSize(*graph); !status.ok()) return status;
   BuildReducedPattern();
+  has_records_ = true;
   analysis_ = NewAnalysis();
   graph_ = graph->identity();
   version_ = graph->structure_version();

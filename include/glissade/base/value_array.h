@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <new>
 #include <type_traits>
 #include <utility>
@@ -52,6 +53,10 @@ class ValueArray {
   ~ValueArray();
 
   [[nodiscard]] std::size_t size() const { return size_; }
+  /// Of the room that there is.
+  [[nodiscard]] std::int64_t MemoryBytes() const {
+    return static_cast<std::int64_t>(capacity_ * ops_->size);
+  }
   [[nodiscard]] const void* data() const { return data_; }
   [[nodiscard]] void* data() { return data_; }
   [[nodiscard]] const void* At(std::size_t k) const { return data_ + k * ops_->size; }

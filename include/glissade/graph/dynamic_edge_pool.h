@@ -64,6 +64,7 @@ class DynamicEdgePool final : public EdgePoolBase {
   bool Linearize(const std::int32_t* words, int count, NormalEquationsSink* sink) const override;
   bool Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const override;
   void Prepare() override;
+  [[nodiscard]] std::int64_t MemoryBytes() const override;
   void Compact() override;
   [[nodiscard]] std::unique_ptr<EdgePoolBase> Clone(
       const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools,

@@ -28,8 +28,9 @@ class EdgePool final : public EdgePoolBase {
               bool identity, const Loss& loss, std::uint64_t stamp, std::uint32_t graph);
   /// All of the edge's types, alive and different, at most one of them eliminated.
   [[nodiscard]] bool CanJoin(const AnyVertex* vertices) const;
-  /// Room for `count` more edges; then, for each, RoomAt(): adding it will not allocate.
-  void Reserve(std::size_t count);
+  /// Room for `count` more edges, of which some have another weight than the identity unless
+  /// `identity`; then, for each, RoomAt(): adding it will not allocate.
+  void Reserve(std::size_t count, bool identity);
   void RoomAt(const AnyVertex* vertices);
 
   [[nodiscard]] const void* Value(int edge) const { return edges_.At(internal::Index(edge)); }
@@ -42,6 +43,7 @@ class EdgePool final : public EdgePoolBase {
   [[nodiscard]] E& At(int edge) {
     return static_cast<E*>(edges_.data())[edge];
   }
+  /// rows x rows, row-major. Of an edge with HasIdentityInformation() it may not be there.
   [[nodiscard]] const double* sqrt_information(int edge) const {
     return sqrt_information_.data() + internal::Index(edge) * internal::Index(rows_ * rows_);
   }
@@ -73,12 +75,14 @@ class EdgePool final : public EdgePoolBase {
   [[nodiscard]] bool IsDuplicate(int edge, int other) const override;
   bool Linearize(const std::int32_t* words, int count, NormalEquationsSink* sink) const override;
   bool Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const override;
+  [[nodiscard]] std::int64_t MemoryBytes() const override;
   void Compact() override;
   [[nodiscard]] std::unique_ptr<EdgePoolBase> Clone(
       const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools,
       AnyEdge* failed) const override;
 
  private:
+  void KeepWeights();
   void Bind(const std::vector<std::unique_ptr<VertexPoolBase>>& vertex_pools);
   void Link(int edge);
   void DenseIndices(int edge, std::int32_t* indices) const;
@@ -101,8 +105,9 @@ class EdgePool final : public EdgePoolBase {
   VertexPoolBase* pools_[kMaxTypedArity];
   int column_[kMaxTypedArity];  // of lists_: one for each vertex type
   internal::ValueArray edges_;
-  std::vector<std::uint32_t> vertices_;   // slots, arity_ for each edge
-  std::vector<double> sqrt_information_;  // rows_ x rows_ for each edge
+  std::vector<std::uint32_t> vertices_;  // slots, arity_ for each edge
+  /// rows_ x rows_ for each edge; empty as long as all weights are the identity.
+  std::vector<double> sqrt_information_;
   std::vector<std::uint8_t> identity_;
 };
 

@@ -121,6 +121,9 @@ class EdgePoolBase {
   /// Sizes the scratch that Linearize needs. Called once per analysis.
   virtual void Prepare() {}
 
+  /// About what the edges and their handles take.
+  [[nodiscard]] virtual std::int64_t MemoryBytes() const = 0;
+
   /// Closes the gaps that removed edges have left; nothing where there are none.
   virtual void Compact() = 0;
   /// A copy whose edges refer to the given vertex pools (same types, same slots). Null, with the

@@ -153,6 +153,12 @@ class SlotMap {
     return stamp_.empty() ? ~std::uint64_t{0} : stamp_.front();
   }
 
+  /// About what it takes.
+  [[nodiscard]] std::int64_t MemoryBytes() const {
+    return static_cast<std::int64_t>(index_of_slot_.capacity() * 5 * sizeof(std::uint32_t) +
+                                     stamp_.capacity() * (sizeof(std::uint64_t) + 1));
+  }
+
   /// Closes gaps; calls move(from, to) with to < from for every value that moves, in order.
   template <class Move>
   void Compact(Move&& move) {

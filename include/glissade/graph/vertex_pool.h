@@ -76,6 +76,10 @@ class VertexPoolBase {
   void Plus(const double* step, const std::int32_t* offset, int count) {
     ops_->plus_all(values_.data(), step, offset, count);
   }
+  /// About what the vertices, a copy of their states and their handles take.
+  [[nodiscard]] std::int64_t MemoryBytes() const {
+    return 2 * values_.MemoryBytes() + slots_.MemoryBytes() + 2 * std::int64_t{size()};
+  }
   /// Keeps a copy of all states / goes back to it.
   void Save() { saved_.CopyFrom(values_); }
   void Restore() {

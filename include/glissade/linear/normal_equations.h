@@ -58,6 +58,18 @@ class NormalEquations {
   NormalEquations(NormalEquations&&) noexcept;
   NormalEquations& operator=(NormalEquations&&) noexcept;
 
+  /// Sorts the edges into what they are evaluated in; Linearize() does it where it has not been
+  /// done.
+  void Plan(const Structure& structure, const Graph& graph);
+  /// Whether that has been done since the analysis.
+  [[nodiscard]] bool IsPlanned(const Structure& structure) const;
+  /// Edge pools, after Plan(), of which no edge's record in the structure will be read any more.
+  [[nodiscard]] std::vector<bool> PoolsInRuns(const Structure& structure) const;
+  /// Memory that H and b will take, and S in a form (of kSomeBlocks: as kDiagonalBlocks), after
+  /// Plan().
+  [[nodiscard]] std::int64_t MemoryBytes(const Structure& structure) const;
+  [[nodiscard]] std::int64_t ReducedMemoryBytes(const Structure& structure, SchurForm form,
+                                                int num_threads);
   /// H, b and the cost at the graph's present values. On failure names the edge that has no value.
   Status Linearize(const Structure& structure, Graph* graph, ThreadPool* threads, double* cost);
   /// The cost alone, after Linearize. NaN-free: an edge without a value is a failure.
@@ -74,10 +86,12 @@ class NormalEquations {
   /// with.
   [[nodiscard]] const SchurLayout& ReducedLayout(const Structure& structure);
   /// Eliminates the landmarks: the reduced system S dx_p = b_s with the damping in it, in the form
-  /// that its solver asks for. Fails on a landmark block that is not positive definite, and names
-  /// it. structure and threads must stay until the last product with S.
+  /// that its solver asks for; wanted: of kSomeBlocks (LinearSolver::WantedBlocks()). Fails on a
+  /// landmark block that is not positive definite, and names it. structure and threads must stay
+  /// until the last product with S.
   StepFailure Eliminate(const Structure& structure, const Graph& graph, const DampingTerm& damping,
-                        SchurForm form, ThreadPool* threads);
+                        SchurForm form, ThreadPool* threads,
+                        std::span<const std::int32_t> wanted = {});
   /// S, after Eliminate().
   [[nodiscard]] const SchurOperator& reduced();
   [[nodiscard]] const std::vector<double>& reduced_rhs() const;
@@ -153,6 +167,7 @@ class NormalEquations {
   int ReduceLandmarks(const Structure& structure, const DampingTerm& damping,
                       const std::vector<std::int32_t>& cuts, ThreadPool* threads);
   void MultiplyReduced(const double* x, double* y);
+  bool PoseDiagonal(std::int32_t vertex, double* block);
   void MultiplyPoses(const Hessian& H, int chunk, int num_chunks, const double* x, double* y) const;
 
   StepFailure CheckCosts(const Structure& structure, const Graph& graph, double* cost) const;

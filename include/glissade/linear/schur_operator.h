@@ -15,6 +15,7 @@ enum class SchurForm : std::uint8_t {
   kDense,           ///< one n x n block, lower triangle
   kBlocks,          ///< the blocks of the lower triangle that can be non-zero
   kDiagonalBlocks,  ///< diagonal blocks alone: S itself is only applied, never formed
+  kSomeBlocks,      ///< those of LinearSolver::WantedBlocks(); S is applied as well
 };
 
 /// The blocks of S: one row and column of blocks per free vertex that is not eliminated. A block
@@ -55,6 +56,13 @@ class SchurOperator {
   [[nodiscard]] virtual const SchurLayout& layout() const = 0;
   /// The k-th of layout().blocks.
   [[nodiscard]] virtual BlockView Block(std::size_t k) const = 0;
+  /// The diagonal block of H_pp, with the damping, of a vertex: dim x dim, column-major. False
+  /// where H_pp has other blocks besides.
+  virtual bool PoseDiagonal(std::int32_t vertex, double* block) const {
+    static_cast<void>(vertex);
+    static_cast<void>(block);
+    return false;
+  }
   /// y = S x, whatever is stored. x and y (layout().size() numbers each) must not overlap.
   virtual void Multiply(const double* x, double* y) const = 0;
 };

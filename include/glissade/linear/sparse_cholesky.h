@@ -6,19 +6,22 @@
 #include <span>
 #include <vector>
 
+#include "glissade/linear/fill_order.h"
 #include "glissade/linear/linear_solver.h"
 
 namespace glissade {
 
-/// Multifrontal Cholesky of a block sparse S. Blocks are ordered by minimum degree (weighted by
-/// their sizes), merged into supernodes, and each supernode is eliminated in one small dense front
-/// (Duff and Reid 1983; Liu 1992). The symbolic part is kept while the pattern stays.
+/// Multifrontal Cholesky of a block sparse S. Blocks are ordered (linear/fill_order.h), merged into
+/// supernodes, and each supernode is eliminated in one dense front (Duff and Reid 1983; Liu 1992).
+/// The symbolic part is kept while the pattern stays.
 ///
-/// Meant for what windows bring: tens to a few hundred vertices that see only their neighbours, and
-/// speed-and-bias chains. A dense factorization is faster where most blocks are there anyway;
-/// FlopRatio() tells.
+/// For windows, tens to a few hundred vertices that see only their neighbours, and speed-and-bias
+/// chains, as well as for the thousands of cameras of a large bundle adjustment. A dense
+/// factorization is faster where most blocks are there anyway: FlopRatio() tells; how large this
+/// one is, Flops() and MemoryBytes().
 class SparseCholeskySolver final : public LinearSolver {
  public:
+  void UseThreads(ThreadPool* threads) override { threads_ = threads; }
   [[nodiscard]] SchurForm Form(const SchurLayout&) override { return SchurForm::kBlocks; }
   LinearSolverResult Prepare(const SchurOperator& S) override;
   LinearSolverResult Solve(const SchurOperator& S, const double* b, double* x,
@@ -28,6 +31,12 @@ class SparseCholeskySolver final : public LinearSolver {
   void Analyze(const SchurLayout& layout);
   /// Operations of this factorization relative to a dense one, after Analyze.
   [[nodiscard]] double FlopRatio() const { return flop_ratio_; }
+  /// Whether the last Analyze was of this layout.
+  [[nodiscard]] bool IsOf(const SchurLayout& layout) const { return version_ == layout.version; }
+  /// Multiplications of a factorization, after Analyze.
+  [[nodiscard]] double Flops() const { return flops_; }
+  /// Memory of the numbers of a factorization, fronts included, after Analyze.
+  [[nodiscard]] std::int64_t MemoryBytes() const { return memory_bytes_; }
 
  private:
   /// Blocks that are eliminated together, and the front they are eliminated in.
@@ -53,7 +62,7 @@ class SparseCholeskySolver final : public LinearSolver {
     bool transposed;                    // stored in S the other way round
   };
 
-  void Order(const SchurLayout& layout);
+  void FindColumns(const SchurLayout& layout);
   void BuildSupernodes(const SchurLayout& layout);
   void SortPostorder();
   void LayOut(const SchurLayout& layout);
@@ -62,7 +71,10 @@ class SparseCholeskySolver final : public LinearSolver {
   [[nodiscard]] std::int32_t OffsetInFront(const Supernode& node, std::int32_t block) const;
 
   std::uint64_t version_ = 0;  // of the layout that was analyzed
-  double flop_ratio_ = 1.0;
+  double flop_ratio_ = 1.0, flops_ = 0.0;
+  std::int64_t factor_size_ = 0, stack_size_ = 0, front_size_ = 0, local_size_ = 0;
+  std::int64_t memory_bytes_ = 0;
+  ThreadPool* threads_ = nullptr;
   bool in_place_ = false;                   // fronts stay where they are factored
   std::vector<Supernode> nodes_;            // children before parents
   std::vector<std::int32_t> front_blocks_;  // blocks of each front, in elimination order
@@ -70,13 +82,16 @@ class SparseCholeskySolver final : public LinearSolver {
   std::vector<std::int32_t> children_;
   std::vector<std::int32_t> parent_offset_;  // scalar offset of each row block in the parent front
   std::vector<Entry> entries_;
-  std::vector<double> factor_, front_, stack_, x_local_;
+  std::vector<double> factor_, front_, stack_, x_local_, scratch_;
 
   // Symbolic scratch.
-  std::vector<std::uint64_t> adjacency_;
+  FillOrder fill_order_;
   std::vector<std::int32_t> order_, position_, node_of_block_, local_;
   std::vector<std::int32_t> next_own_, head_, top_, begin_;
+  /// By block: those that are eliminated later and have an entry in its column of the factor, in
+  /// the order of elimination.
   std::vector<std::vector<std::int32_t>> column_;
+  std::vector<std::int32_t> first_waiting_, next_waiting_;  // supernodes by the block they wait for
   std::vector<Supernode> sorted_nodes_;
 };
 

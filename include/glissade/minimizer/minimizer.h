@@ -5,8 +5,10 @@
 #include "glissade/base/thread_pool.h"
 #include "glissade/graph/graph.h"
 #include "glissade/linear/normal_equations.h"
+#include "glissade/linear/pcg.h"
 #include "glissade/linear/sparse_cholesky.h"
 #include "glissade/minimizer/options.h"
+#include "glissade/minimizer/solver_choice.h"
 #include "glissade/minimizer/summary.h"
 #include "glissade/structure/structure.h"
 
@@ -38,15 +40,16 @@ struct SolverWorkspace {
   DenseCholeskySolver dense_cholesky;
   SparseCholeskySolver sparse_cholesky;
   PcgSolver pcg;
-  PcgSolver implicit_pcg{SchurForm::kDiagonalBlocks};
+  PcgSolver implicit_pcg{PcgSolver::Schur::kImplicit};
+  SolverChoice choice;  ///< of the last solve
   SolveSummary summary;
   SolvedSystem solved;
   std::vector<double> dogleg_scale, dogleg_gradient, dogleg_step;
   std::vector<double> watched_states;  ///< while a callback runs
   bool discarded = false;
 
-  /// The solver of the reduced system that the options ask for (after the structure's analysis).
-  LinearSolver* Solver(const SolveOptions& options);
+  /// The user's own solver, or that of a type (ChooseSolver()).
+  LinearSolver* Solver(const SolveOptions& options, LinearSolverType type);
   /// After an exception: gives back all memory but the summary's, so that nothing half done is
   /// used again. Restore(), which may throw std::bad_alloc, comes before the next use.
   void Discard() noexcept;
@@ -64,7 +67,8 @@ void ApplyStep(const Structure& structure, const std::vector<double>& step, Grap
 
 /// The damping term that the options and lambda mean.
 DampingTerm MakeDamping(const SolveOptions& options, double lambda);
-/// How well the options want the reduced system to be solved.
-SolveRequest MakeRequest(const SolveOptions& options);
+/// How well the options want the reduced system to be solved; progress: the last relative decrease
+/// of the cost, by which inexact steps become more exact.
+SolveRequest MakeRequest(const SolveOptions& options, double forcing, double progress);
 
 }  // namespace glissade

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <limits>
 
@@ -30,7 +31,10 @@ enum class Damping {
 
 /// How the reduced system is solved.
 enum class LinearSolverType {
-  kAuto,  ///< dense or sparse Cholesky, whichever has less to do
+  /// What has least to do (minimizer/solver_choice.h): dense or sparse Cholesky, or where
+  /// factorizing would take much longer than all else, or more than memory_limit, conjugate
+  /// gradients, with PcgOptions::forcing if that is 0 set to 0.1.
+  kAuto,
   kDenseCholesky,
   kSparseCholesky,
   kPcg,          ///< conjugate gradients on the blocks of the reduced system
@@ -42,7 +46,12 @@ enum class LinearSolverType {
 struct PcgOptions {
   Preconditioner preconditioner = Preconditioner::kBlockJacobi;
   double tolerance = 1e-10;  ///< stop at |r| <= tolerance |b|
-  int max_iterations = 0;    ///< 0: 2 n
+  /// Inexact Newton steps: stop too where an iteration brings less than this part of what the model
+  /// has decreased so far (SolveRequest::model_tolerance). The part becomes smaller as the solve
+  /// converges: with the square root of the last relative decrease of the cost, down to a
+  /// hundredth. 0: tolerance alone.
+  double forcing = 0.0;
+  int max_iterations = 0;  ///< 0: 2 n
 };
 
 /// Returned by an iteration callback.
@@ -91,6 +100,10 @@ struct SolveOptions {
   /// Your own solver of the reduced system (linear/linear_solver.h), used instead of
   /// linear_solver_type where not null. Not owned; must outlive the solve.
   LinearSolver* linear_solver = nullptr;
+  /// Bytes that graph and solve may take together; 0: no limit. A solve that would need more fails
+  /// with kOutOfMemory, before it takes them and with the states as they are; kAuto first looks for
+  /// a solver that needs less. What will be needed: Problem::EstimateMemory().
+  std::int64_t memory_limit = 0;
   /// Does not change a bit of the result. Where the system refuses threads, the solve goes on with
   /// those there are: SolveSummary::num_threads.
   int num_threads = 1;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -57,6 +58,16 @@ struct TimeSplit {
   double total_s = 0.0;
 };
 
+/// How the reduced system of a solve was solved.
+struct ReducedSolver {
+  const char* name = "";          ///< "dense", "sparse", "pcg", "implicit-pcg" or "user's"
+  const char* reason = "";        ///< why that one
+  std::int64_t scalars = 0;       ///< n of the n x n system S
+  double density = 0.0;           ///< part of its blocks that can be other than zero
+  double factor_flops = 0.0;      ///< multiplications of a sparse factorization, where looked at
+  std::int64_t memory_bytes = 0;  ///< that graph and solve take (minimizer/memory.h)
+};
+
 struct SolveSummary {
   Termination termination = Termination::kFailed;
   /// ok unless termination is kFailed; then what and who (vertex(), edge()).
@@ -68,6 +79,7 @@ struct SolveSummary {
   int num_poses = 0;      ///< free vertices in the reduced system
   int num_landmarks = 0;  ///< free eliminated vertices
   int num_edges = 0;
+  ReducedSolver reduced;
   int num_threads = 1;          ///< that worked
   int num_threads_refused = 0;  ///< that the system did not give (SolveOptions::num_threads)
   std::vector<IterationSummary> iterations;

@@ -13,6 +13,7 @@
 #include "glissade/gauge/nullspace.h"
 #include "glissade/graph/graph.h"
 #include "glissade/marginal/marginalize.h"
+#include "glissade/minimizer/memory.h"
 #include "glissade/minimizer/options.h"
 #include "glissade/minimizer/summary.h"
 
@@ -38,6 +39,11 @@ class Problem : public Graph {
   /// vertices, or none that anything is known about). Where there are edges but nothing they touch
   /// is free, the present values are the best ones: kConvergedGradient, no iterations, their cost.
   const SolveSummary& Solve(const SolveOptions& options = {});
+
+  /// What a Solve() with these options would take (minimizer/memory.h), and for kAuto which solver
+  /// it would choose. Analyzes the graph, which Solve() then need not do; allocates for nothing
+  /// else. options.memory_limit is not asked.
+  [[nodiscard]] Result<MemoryEstimate> EstimateMemory(const SolveOptions& options = {});
 
   /// How far H is from having the null space that the measurements have (gauge/nullspace.h): from
   /// the linearization that the last solve or MakeHessian() left where it was of this structure and

@@ -61,6 +61,9 @@ struct StructureOptions {
   /// Eliminate landmarks in groups where they qualify (LandmarkPlan). Off for who wants all of H:
   /// groups keep no landmark's part of it.
   bool group_landmarks = true;
+  /// Whether the records of edges (Words()) will be read: an analysis that has given them back is
+  /// then made again.
+  bool needs_records = true;
 };
 
 /// What follows from the graph's topology alone: order of the variables, edges per landmark, block
@@ -75,6 +78,10 @@ class Structure {
   /// have moved too far apart for groups(); cheap otherwise.
   /// Fails, naming both edges, on an observation that is in the graph twice.
   Status Analyze(Graph* graph, const StructureOptions& options = {});
+  /// Of a large problem gives back the memory that the analysis itself took, and the records of
+  /// those edges of a pool that `in_runs` says are all evaluated from a plan of somebody's own.
+  /// What is left is the analysis still; the next one begins from nothing.
+  void ReleaseScratch(const std::vector<bool>& in_runs);
   /// Whether the last analysis was of this graph as it is now.
   [[nodiscard]] bool IsCurrent(const Graph& graph) const {
     return graph_ == graph.identity() && version_ == graph.structure_version();
@@ -118,6 +125,14 @@ class Structure {
   [[nodiscard]] const std::vector<std::int32_t>& slot_block() const { return slot_block_; }
   [[nodiscard]] const std::vector<std::int32_t>& slot_row() const { return slot_row_; }
   [[nodiscard]] const std::vector<std::int32_t>& slot_dim() const { return slot_dim_; }
+
+  /// From so many edges on memory counts for more than the time of another analysis.
+  static constexpr int kManyEdges = 100'000;
+  [[nodiscard]] bool IsLarge() const { return num_edges_ >= kManyEdges; }
+  /// Of what an analysis has left behind (ReleaseScratch()).
+  [[nodiscard]] std::int64_t MemoryBytes() const;
+  /// What an analysis of the graph will take for itself at least, before anything is known of it.
+  [[nodiscard]] static std::int64_t AnalysisBytes(const Graph& graph);
 
   [[nodiscard]] int num_chunks() const { return num_chunks_; }
   /// Fewer edges than twice that are one chunk.
@@ -208,6 +223,7 @@ class Structure {
 
   std::uint64_t version_ = 0;
   std::uint64_t graph_ = 0;  // its identity
+  bool has_records_ = false;
   bool checked_duplicates_ = false;
   std::vector<PoseBlock> poses_;
   std::vector<std::int32_t> pose_offsets_{0};

@@ -3,12 +3,12 @@
 
 // Cholesky factorization A = L L', lower, in place.
 //
-// Two levels: panels of kPanel columns, whose trailing matrix is updated at once (rank_update.h),
-// and inside a panel a left-looking sweep over block columns of kNr columns. A block column is
-// computed in tiles that hold kNr columns in registers: products with the columns on the left, then
-// the triangular solve, without touching memory in between. The factorization of the kNr x kNr
-// diagonal block is a chain of dependent scalar operations; it runs as L D L', whose chain has one
-// division per pivot and no square root, and is scaled to L L' afterwards.
+// Two levels: panels of columns (CholeskyPanelColumns()), whose trailing matrix is updated at once
+// (rank_update.h), and inside a panel a left-looking sweep over block columns of kNr columns. A
+// block column is computed in tiles that hold kNr columns in registers: products with the columns
+// on the left, then the triangular solve, without touching memory in between. The factorization of
+// the kNr x kNr diagonal block is a chain of dependent scalar operations; it runs as L D L', whose
+// chain has one division per pivot and no square root, and is scaled to L L' afterwards.
 
 #ifndef GLISSADE_KERNELS_IMPL_CHOLESKY_H_
 #define GLISSADE_KERNELS_IMPL_CHOLESKY_H_
@@ -18,9 +18,6 @@
 
 namespace glissade::kernels {
 namespace {
-
-// Below two of them a matrix is one panel.
-constexpr int kPanel = 96;
 
 /// A factored diagonal block: L unit lower triangular, D, and 1/sqrt(D).
 struct DiagonalBlock {
@@ -232,19 +229,6 @@ inline int FactorPanel(int n, int nb, double* a, Index lda) {
           break;
       }
     }
-  }
-  return 0;
-}
-
-int Cholesky(int n, double* a, int lda) {
-  const Index ld = lda;
-  for (int j = 0; j < n;) {
-    const int nb = n - j < 2 * kPanel ? n - j : kPanel;
-    double* s = a + j + j * ld;
-    const int info = FactorPanel(n - j, nb, s, ld);
-    if (info != 0) return j + info;
-    j += nb;
-    if (j < n) RankUpdate<kSub>(n - j, nb, s + nb, ld, a + j + j * ld, ld);
   }
   return 0;
 }

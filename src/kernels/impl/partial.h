@@ -9,6 +9,7 @@
 
 #include "kernels/impl/cholesky.h"
 #include "kernels/impl/triangular.h"
+#include "kernels/kernels.h"
 
 namespace glissade::kernels {
 namespace {
@@ -40,15 +41,31 @@ inline int FactorColumn(int n, double* a, Index lda, int c) {
   return 0;
 }
 
-int CholeskyPartial(int n, int nb, double* a, int lda) {
+/// The first nb columns of the factor; what is right of them stays as it is.
+int CholeskyPanel(int n, int nb, double* a, int lda) {
   const Index ld = lda;
   const int whole = nb == n ? nb : nb - nb % kNr;
   int info = FactorPanel(n, whole, a, ld);
   for (int c = whole; info == 0 && c < nb; ++c)
     info = FactorColumn(n, a, ld, c);
-  if (info != 0) return info;
-  if (nb < n) RankUpdate<kSub>(n - nb, nb, a + nb, ld, a + nb + nb * ld, ld);
+  return info;
+}
+
+int CholeskyPartial(int n, int nb, double* a, int lda) {
+  const Index ld = lda;
+  for (int j = 0; j < nb;) {
+    const int columns = CholeskyPanelColumns(nb - j);
+    double* s = a + j + j * ld;
+    const int info = CholeskyPanel(n - j, columns, s, lda);
+    if (info != 0) return j + info;
+    j += columns;
+    if (j < n) RankUpdate<kSub>(n - j, columns, s + columns, ld, a + j + j * ld, ld);
+  }
   return 0;
+}
+
+int Cholesky(int n, double* a, int lda) {
+  return CholeskyPartial(n, n, a, lda);
 }
 
 /// x1 <- L11^-1 x1, x2 <- x2 - L21 x1.

@@ -11,6 +11,7 @@
 #include "kernels/impl/lanes.h"
 #include "kernels/impl/left_multiply.h"
 #include "kernels/impl/losses.h"
+#include "kernels/impl/packed_update.h"
 #include "kernels/impl/partial.h"
 #include "kernels/impl/point_elimination.h"
 #include "kernels/impl/point_views.h"
@@ -47,6 +48,7 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .cholesky_solve = CholeskySolve,
     .forward_solve = ForwardSolve,
     .cholesky_partial = CholeskyPartial,
+    .cholesky_panel = CholeskyPanel,
     .forward_solve_partial = ForwardSolvePartial,
     .backward_solve_partial = BackwardSolvePartial,
     .forward_solve_many = ForwardSolveMany,
@@ -55,6 +57,8 @@ const KernelTable GLISSADE_KERNEL_TABLE = {
     .dot = Dot,
     .axpy = Axpy,
     .syrk_lower_sub = SyrkLowerSub,
+    .pack_rows = PackRows,
+    .syrk_packed_sub = SyrkPackedSub,
     .syrk_lower_add = SyrkLowerAdd,
     .syrk_lower_set_negative = SyrkLowerSetNegative,
     .left_multiply = LeftMultiply,

@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "glissade/minimizer/solver_choice.h"
+
+#include <string>
+
+#include "glissade/base/index.h"
+#include "glissade/graph/pools.h"
+#include "glissade/minimizer/minimizer.h"
+
+namespace glissade {
+
+namespace {
+
+/// With more of the blocks than this there is nothing to gain from leaving some out.
+constexpr double kDenseFraction = 0.8;
+/// Small fronts run at about a third of the speed of one dense factorization.
+constexpr double kWorthwhile = 0.3;
+/// One dense factorization of so many scalars takes less than the symbolic analysis of a sparse
+/// one.
+constexpr int kSmall = 128;
+
+/// Rates that the choice between factorizing and iterating rests on, of one thread; only their
+/// ratio matters.
+constexpr double kFlopsPerSecond = 2e10;   // of a sparse factorization
+constexpr double kSecondsPerEdge = 2e-7;   // of linearizing and eliminating
+constexpr double kMaxFactorization = 3.0;  // times as long as linearizing and eliminating
+
+SchurForm FormOf(LinearSolverType type) {
+  switch (type) {
+    case LinearSolverType::kDenseCholesky:
+      return SchurForm::kDense;
+    case LinearSolverType::kImplicitPcg:
+      return SchurForm::kDiagonalBlocks;
+    default:
+      return SchurForm::kBlocks;
+  }
+}
+
+std::string Megabytes(std::int64_t bytes) {
+  return std::to_string((bytes + 999'999) / 1'000'000);
+}
+
+/// kAuto's choice without a limit.
+LinearSolverType Preferred(SolverWorkspace* w, const char** reason) {
+  const Structure& structure = w->structure;
+  if (structure.num_pose_scalars() <= kSmall) {
+    *reason = "few scalars";
+    return LinearSolverType::kDenseCholesky;
+  }
+  const SchurLayout& layout = w->equations.ReducedLayout(structure);
+  const auto n = static_cast<double>(layout.num_vertices());
+  const auto scalars = static_cast<double>(layout.size());
+  const double affordable = kMaxFactorization * kSecondsPerEdge * kFlopsPerSecond *
+                            static_cast<double>(structure.num_edges());
+  const bool is_full =
+      static_cast<double>(layout.blocks.size()) > kDenseFraction * 0.5 * n * (n + 1.0);
+  const double dense_flops = scalars * scalars * scalars / 3.0;
+  if (is_full && (!structure.IsLarge() || dense_flops <= 2.0 * affordable)) {
+    *reason = "most blocks of S are there";
+    return LinearSolverType::kDenseCholesky;
+  }
+  if (!is_full) {
+    w->sparse_cholesky.Analyze(layout);
+    if (!structure.IsLarge() || w->sparse_cholesky.Flops() <= affordable) {
+      if (w->sparse_cholesky.FlopRatio() < kWorthwhile) {
+        *reason = "a sparse factor has least to do";
+        return LinearSolverType::kSparseCholesky;
+      }
+      *reason = "a sparse factor would be nearly full";
+      return LinearSolverType::kDenseCholesky;
+    }
+  }
+  *reason = "factorizing would take longer than all else";
+  std::int64_t blocks = 0;
+  for (const BlockIndex& block : layout.blocks)
+    blocks += layout.Dim(block.row) * layout.Dim(block.col);
+  return blocks <= structure.landmark_buffer_size() ? LinearSolverType::kPcg
+                                                    : LinearSolverType::kImplicitPcg;
+}
+
+const char* NameOf(LinearSolverType type) {
+  switch (type) {
+    case LinearSolverType::kDenseCholesky:
+      return "dense";
+    case LinearSolverType::kSparseCholesky:
+      return "sparse";
+    case LinearSolverType::kPcg:
+      return "pcg";
+    case LinearSolverType::kImplicitPcg:
+      return "implicit-pcg";
+    case LinearSolverType::kAuto:
+      break;
+  }
+  return "auto";
+}
+
+}  // namespace
+
+MemoryEstimate EstimateMemory(const Graph& graph, const Structure& structure,
+                              NormalEquations* equations, const SparseCholeskySolver& sparse,
+                              LinearSolverType type, int num_threads) {
+  constexpr std::int64_t kDouble = sizeof(double);
+  MemoryEstimate memory;
+  memory.linear_solver = type;
+  for (const auto& pool : graph.vertex_pools())
+    memory.graph += pool->MemoryBytes();
+  for (const auto& pool : graph.edge_pools())
+    memory.graph += pool->MemoryBytes();
+  memory.structure = structure.MemoryBytes();
+  memory.equations = equations->MemoryBytes(structure);
+  memory.reduced = equations->ReducedMemoryBytes(structure, FormOf(type), num_threads);
+  const std::int64_t n = structure.num_pose_scalars();
+  switch (type) {
+    case LinearSolverType::kDenseCholesky:
+      memory.solver = kDouble * n * (n + 8);
+      break;
+    case LinearSolverType::kSparseCholesky:
+      memory.solver = sparse.MemoryBytes();
+      break;
+    case LinearSolverType::kPcg:
+    case LinearSolverType::kImplicitPcg:
+    case LinearSolverType::kAuto:
+      // Vectors, those of the parts of a product, and the preconditioner.
+      memory.solver = kDouble * (32 * n + 16 * n);
+      break;
+  }
+  return memory;
+}
+
+Status ChooseSolver(const Graph& graph, SolverWorkspace* w, const SolveOptions& options,
+                    SolverChoice* choice) {
+  ReducedSolver& about = choice->description;
+  about = {};
+  const Structure& structure = w->structure;
+  about.scalars = structure.num_pose_scalars();
+  const SchurLayout& layout = w->equations.ReducedLayout(structure);
+  const auto n = static_cast<double>(layout.num_vertices());
+  if (n > 0.0) about.density = static_cast<double>(layout.blocks.size()) / (0.5 * n * (n + 1.0));
+  const bool chooses =
+      options.linear_solver == nullptr && options.linear_solver_type == LinearSolverType::kAuto;
+  if (chooses) {
+    choice->type = Preferred(w, &about.reason);
+  } else {
+    choice->type = options.linear_solver_type;
+    about.reason = "asked for";
+    if (choice->type == LinearSolverType::kSparseCholesky) w->sparse_cholesky.Analyze(layout);
+  }
+  if (options.memory_limit > 0 || structure.IsLarge()) {
+    const auto estimate = [&](LinearSolverType type) {
+      choice->memory = EstimateMemory(graph, structure, &w->equations, w->sparse_cholesky, type,
+                                      options.num_threads);
+      choice->type = type;
+      about.memory_bytes = choice->memory.total();
+      return options.memory_limit <= 0 || about.memory_bytes <= options.memory_limit;
+    };
+    bool fits = estimate(choice->type);
+    if (!fits && chooses) {
+      about.reason = "others would exceed memory_limit";
+      for (const LinearSolverType type : {LinearSolverType::kPcg, LinearSolverType::kImplicitPcg}) {
+        fits = fits || estimate(type);
+      }
+    }
+    if (!fits) {
+      const MemoryEstimate& m = choice->memory;
+      return {StatusCode::kOutOfMemory,
+              "the solve needs " + Megabytes(m.total()) + " MB (graph " + Megabytes(m.graph) +
+                  ", structure " + Megabytes(m.structure) + ", H " + Megabytes(m.equations) +
+                  ", S " + Megabytes(m.reduced) + ", " + NameOf(choice->type) + " " +
+                  Megabytes(m.solver) + "), memory_limit is " + Megabytes(options.memory_limit) +
+                  " MB"};
+    }
+  }
+  about.name = options.linear_solver != nullptr ? "user's" : NameOf(choice->type);
+  if (w->sparse_cholesky.IsOf(layout)) about.factor_flops = w->sparse_cholesky.Flops();
+  // What was looked at and not taken need not stay.
+  if (structure.IsLarge() && choice->type != LinearSolverType::kSparseCholesky)
+    w->sparse_cholesky = SparseCholeskySolver();
+  return {};
+}
+
+Status AnalyzeForSolve(Graph* graph, SolverWorkspace* w, const SolveOptions& options) {
+  const std::int64_t least = Structure::AnalysisBytes(*graph);
+  if (options.memory_limit > 0 && least > options.memory_limit) {
+    return {StatusCode::kOutOfMemory, "the analysis alone needs " + Megabytes(least) +
+                                          " MB, memory_limit is " +
+                                          Megabytes(options.memory_limit) + " MB"};
+  }
+  Status status = w->structure.Analyze(
+      graph, {.allow_duplicate_observations = options.allow_duplicate_observations,
+              .needs_records = !w->equations.IsPlanned(w->structure)});
+  if (!status.ok()) return status;
+  w->equations.Plan(w->structure, *graph);
+  if (w->structure.IsLarge()) w->structure.ReleaseScratch(w->equations.PoolsInRuns(w->structure));
+  return ChooseSolver(*graph, w, options, &w->choice);
+}
+
+}  // namespace glissade
