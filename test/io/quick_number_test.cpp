@@ -64,8 +64,8 @@ TEST(QuickNumber, FormsOfNumbers) {
     EXPECT_TRUE(SameDouble(word)) << word;
   }
   // Left to the standard library, which takes them or does not.
-  for (const char* word : {"", "+", "-", ".", "e5", "1e", "1e+", "--1", "+-1", "nan", "inf", "0x10",
-                           "1e23", "1e-23", "9007199254740993", "1234567890123456789",
+  for (const char* word : {"", "+", "-", ".", "e5", "1e", "1e+", "--1", "+-1", "nan", "inf", "1e23",
+                           "1e-23", "9007199254740993", "1234567890123456789",
                            "12345678901234567890123", "1e99999999999999999999"}) {
     double x = 0.0;
     EXPECT_EQ(QuickDouble(word, word + std::strlen(word), &x), nullptr) << word;
