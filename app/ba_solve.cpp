@@ -164,6 +164,7 @@ app::Outcome Run(const Options& o) {
     return CallbackAction::kContinue;
   };
   const SolveOptions solve = solver.Chosen();
+  status.ShowNow("preparing the solve");
   const SolveSummary& summary = problem.Solve(solve);
   status.Clear();
   if (!summary.ok()) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Makes the files of data/, and larger ones of the same kind.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -141,6 +143,7 @@ app::Outcome MakeOdometry(Options o) {
 
 app::Outcome WriteProblem(const Result<BalProblem>& problem, const std::string& path,
                           app::StatusLine* status) {
+  status->Clear();
   if (!problem.ok()) return app::BadInput(problem.status());
   const auto progress = [&](double part) { status->ShowPart("writing " + path, part); };
   const Status s = WriteBal(*problem, path, progress);
@@ -162,6 +165,7 @@ app::Outcome MakeCity(Options o) {
   app::StatusLine status;
   o.city.seed = o.seed;
   if (o.cameras != 0) o.city.num_cameras = o.cameras;
+  status.ShowNow(fmt::format("making a city of {} cameras", o.city.num_cameras));
   return WriteProblem(sim::MakeCity(o.city), o.output, &status);
 }
 

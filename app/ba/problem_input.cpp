@@ -48,7 +48,7 @@ void AddProblemInput(CLI::App& cli, ProblemInput* input) {
 
 Status LoadProblem(const ProblemInput& input, const Loss& loss, StatusLine* status,
                    Problem* problem) {
-  status->Show(input.city == 0 ? "reading " + input.file : "making a " + input.Name());
+  status->ShowNow(input.city == 0 ? "reading " + input.file : "making a " + input.Name());
   auto bal = input.city == 0 ? ReadBal(input.file)
                              : sim::MakeCity({.num_cameras = input.city, .seed = input.seed});
   if (!bal.ok()) return bal.status();

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace glissade::app {
@@ -15,14 +16,18 @@ StatusLine::StatusLine()
     : on_terminal_(isatty(STDERR_FILENO) == 1), next_(Clock::now() + milliseconds(1000)) {}
 
 void StatusLine::Show(const std::string& text) {
+  if (Clock::now() >= next_) ShowNow(text);
+}
+
+void StatusLine::ShowNow(const std::string& text) {
   constexpr std::size_t kWidth = 79;
-  if (!on_terminal_ || Clock::now() < next_) return;
+  if (!on_terminal_) return;
   std::fflush(stdout);
   // To the beginning of the line, the text, and nothing behind it.
   fmt::print(stderr, "\r{}\x1b[K", text.substr(0, kWidth));
   std::fflush(stderr);
   shown_ = true;
-  next_ = Clock::now() + milliseconds(200);
+  next_ = std::max(next_, Clock::now() + milliseconds(200));
 }
 
 void StatusLine::ShowPart(const std::string& what, double part) {

@@ -21,6 +21,8 @@ class StatusLine {
   void Show(const std::string& text);
   /// Shows "WHAT, 34 %" likewise.
   void ShowPart(const std::string& what, double part);
+  /// Shows the text at once, before something of unknown length.
+  void ShowNow(const std::string& text);
   /// Before anything else is printed.
   void Clear();
 

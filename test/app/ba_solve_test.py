@@ -7,6 +7,7 @@ import bz2
 import gzip
 import math
 import random
+import struct
 
 from app_test_util import HEADER, ROOT, AppTest, data_folder, main
 
@@ -167,6 +168,27 @@ class BaSolve(AppTest):
         self.assertIn(b"element edge %d\n" % edges, head)
         self.assertEqual(len(body), 15 * vertices + 11 * edges)
 
+    def test_the_binary_form_is_as_documented(self):
+        """docs/formats.md, read by hand."""
+        self.write("a.txt", make_bal(num_points=10)[0])
+        self.run_ok("a.txt", "--iterations", 0, "--output", "a.bbal")
+        data = (self.folder / "a.bbal").read_bytes()
+        self.assertEqual(data[:8].hex(), "894242414c0d0a1a")
+        version, order = struct.unpack("=II", data[8:16])
+        self.assertEqual((version, order), (1, 0x01020304))
+        counts = struct.unpack("=3q", data[16:40])
+        self.assertEqual(counts, (5, 10, 50))
+        self.assertEqual(len(data), 48 + 72 * 5 + 24 * 10 + 24 * 50)
+        checksum, most = 0, (1 << 64) - 1
+        for (word,) in struct.iter_unpack("=Q", data[48:]):
+            product = (checksum ^ word) * 0x9e3779b97f4a7c15 & most
+            checksum = (product << 29 & most) | product >> 35
+        self.assertEqual(checksum, struct.unpack("=Q", data[40:48])[0])
+        words = [float(x) for x in (self.folder / "a.txt").read_text(encoding="utf-8").split()][3:]
+        observations, vertices = words[:4 * 50], words[4 * 50:]
+        self.assertEqual(list(struct.unpack("=75d", data[48:48 + 8 * 75])), vertices)
+        self.assertEqual([x for o in struct.iter_unpack("=2i2d", data[48 + 8 * 75:]) for x in o], observations)
+
     def test_progress_on_a_terminal(self):
         """A line that is written over, with time left, and gone at the end."""
         import os
@@ -194,6 +216,7 @@ class BaSolve(AppTest):
         self.assertEqual(done.returncode, 0)
         self.assertNotIn("left", done.stdout)
         text = shown.decode()
+        self.assertTrue(text.startswith("\rmaking a city of 300 cameras, seed 1\x1b[K"), text[:80])
         self.assertRegex(text, r"\riteration \d+ of at most 25, cost \d\.\d{6}e[-+]\d+, \d+ s, "
                                r"(about|at most) [0-9.]+ (s|min|h) left\x1b\[K")
         self.assertTrue(text.endswith("\r\x1b[K"), text[-80:])
