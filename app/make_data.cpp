@@ -47,7 +47,7 @@ Examples:
   make_data recording flight                       12 s, written to the folder flight
   make_data odometry odometry.txt                  that flight as an odometry may see it
   make_data bal ring.txt.gz --cameras 100 --points 5000
-  make_data city city.bbal --cameras 5000          4.2 million observations, in binary
+  make_data city city.bbal --cameras 1000          578 000 observations, in binary
 
 Exit code: 0; 2 where an option makes no sense; 1 where a file cannot be written.)";
 

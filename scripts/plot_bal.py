@@ -123,7 +123,7 @@ def main():
         axis.set(xlim=axes[1].get_xlim(), ylim=axes[1].get_ylim())
     axes[2].imshow(seen, cmap="gray_r", interpolation="antialiased")
     axes[2].set(xlabel="camera", ylabel="camera", title=f"pairs that see a point together: {100 * seen.mean():.1f} %")
-    figure.savefig(sys.argv[3], dpi=90)
+    figure.savefig(sys.argv[3], dpi=75)
     return 0
 
 
