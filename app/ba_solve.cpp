@@ -34,7 +34,7 @@ constexpr const char* kDescription =
 translation, focal length, two of distortion), points, and where the cameras saw them.)";
 
 constexpr const char* kFooter =
-    R"(FILE is text, compressed with gzip or bzip2 or not, or the binary form that is read ten times as
+    R"(FILE is text, compressed with gzip or bzip2 or not, or the binary form that is read four times as
 fast (.bbal). --city makes a problem in memory instead: streets, houses, and a car with cameras. The
 cost is 1/2 sum rho(|r|^2), r in pixels.
 
