@@ -174,6 +174,12 @@ Status WriteBal(const BalProblem& problem, const std::string& path,
 
 namespace {
 
+/// Not `*list = {}`, which keeps the memory.
+template <class T>
+void Free(std::vector<T>* list) {
+  std::vector<T>().swap(*list);
+}
+
 /// Adds a problem that has been checked, and frees its lists once they are in the graph if
 /// `consume` is set. Only memory can fail: then some vertices are there, in *handles.
 Status AddChecked(BalProblem* consume, const BalProblem& problem, Graph& graph, const Loss& loss,
@@ -185,8 +191,8 @@ Status AddChecked(BalProblem* consume, const BalProblem& problem, Graph& graph, 
   if (!points.ok()) return points.status();
   handles->points = std::move(points).value();
   if (consume != nullptr) {
-    consume->cameras = {};
-    consume->points = {};
+    Free(&consume->cameras);
+    Free(&consume->points);
   }
 
   std::vector<EdgeBal> edges;
@@ -198,7 +204,7 @@ Status AddChecked(BalProblem* consume, const BalProblem& problem, Graph& graph, 
     vertices.emplace_back(handles->cameras[static_cast<std::size_t>(o.camera)],
                           handles->points[static_cast<std::size_t>(o.point)]);
   }
-  if (consume != nullptr) consume->observations = {};
+  if (consume != nullptr) Free(&consume->observations);
   auto added =
       graph.AddEdges(std::span<const EdgeBal>(edges),
                      std::span<const EdgeVertexHandles<EdgeBal>>(vertices), {.loss = loss});

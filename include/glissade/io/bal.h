@@ -43,8 +43,8 @@ struct BalProblem {
 /// Reads a file: plain text, .gz, .bz2 or binary (told by content). All or nothing: on failure a
 /// status whose message is "file:line: what was expected, what was found" (kIoError where the file
 /// cannot be opened or decompressed, else kParseError; without a line where the file is binary).
-/// Every number is finite, every index in range. A text of 200 MB takes half a
-/// second to a second, as binary a quarter of that.
+/// Every number is finite, every index in range. A text of 200 MB takes half a second to a second,
+/// as binary a quarter of that.
 [[nodiscard]] Result<BalProblem> ReadBal(const std::string& path);
 
 /// Writes a file, compressed if its name ends in .gz or .bz2, binary if in .bbal, else text.
