@@ -67,8 +67,7 @@ struct BalHandles {
                                             const Loss& loss = {});
 
 /// The same for a problem that is not needed any more: its lists are freed on the way and no
-/// handles kept, which is half of the memory that large ones would take. On failure it is gone and
-/// the graph as before.
+/// handles kept, together 40 bytes an observation. On failure it is gone and the graph as before.
 Status MoveToGraph(BalProblem problem, Graph& graph, const Loss& loss = {});
 
 /// The BAL problem that a graph holds, in order of insertion. Weights, losses and what is fixed
