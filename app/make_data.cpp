@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // Makes the files of data/, and larger ones of the same kind.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -9,12 +11,14 @@
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/program.h"
+#include "common/status_line.h"
 #include "glissade/io/bal.h"
 #include "glissade/io/trajectory.h"
 #include "glissade/io/viotracks.h"
 #include "glissade/io/viowin.h"
 #include "glissade/lie/so3.h"
 #include "glissade/sim/bal_scene.h"
+#include "glissade/sim/city.h"
 #include "glissade/sim/noise_source.h"
 #include "glissade/sim/recording.h"
 #include "glissade/sim/windows.h"
@@ -28,7 +32,8 @@ constexpr const char* kName = "make_data";
 constexpr const char* kDescription =
     R"(Simulates data and writes them in the formats that the other programs read: sliding windows
 (VIOWIN), a recording of a stereo camera with an IMU (VIOTRACKS), what a drifting odometry might have
-made of that recording's flight (TUM trajectory), or a bundle adjustment problem (BAL).)";
+made of that recording's flight (TUM trajectory), or a bundle adjustment problem (BAL): of cameras on
+a ring around a cloud of points, or of a city of any size.)";
 
 constexpr const char* kFooter =
     R"(The same options give the same numbers, to the rounding of the machine's log, sin and cos. The
@@ -42,6 +47,7 @@ Examples:
   make_data recording flight                       12 s, written to the folder flight
   make_data odometry odometry.txt                  that flight as an odometry may see it
   make_data bal ring.txt.gz --cameras 100 --points 5000
+  make_data city city.bbal --cameras 1000          578 000 observations, in binary
 
 Exit code: 0; 2 where an option makes no sense; 1 where a file cannot be written.)";
 
@@ -49,17 +55,20 @@ struct Options {
   std::string kind, output;
   std::uint32_t seed = 1;
   int windows = 4;
+  int cameras = 0;  // 0: what is usual for the kind
   sim::WindowMakerOptions window;
   sim::RecordingOptions recording;
   sim::BalSceneOptions bal;
+  sim::CityOptions city;
 };
 
 void AddOptions(app::Program& program, Options& o) {
   CLI::App& cli = program.cli();
-  cli.add_option("KIND", o.kind, "windows, recording, odometry or bal")
+  cli.add_option("KIND", o.kind, "windows, recording, odometry, bal or city")
       ->required()
-      ->check(CLI::IsMember({"windows", "recording", "odometry", "bal"}));
-  cli.add_option("OUTPUT", o.output, "File (.txt, .txt.gz, .txt.bz2), or folder of a recording")
+      ->check(CLI::IsMember({"windows", "recording", "odometry", "bal", "city"}));
+  cli.add_option("OUTPUT", o.output,
+                 "File (.txt, .txt.gz, .txt.bz2; bal, city: .bbal), or folder of a recording")
       ->required();
   app::AddSeed(cli, &o.seed, "Seed of everything; windows take this one and the next (default 1)");
   app::AddInteger(cli, "--windows", &o.windows, 1, 10000, "Windows in the file (default 4)");
@@ -71,10 +80,12 @@ void AddOptions(app::Program& program, Options& o) {
                   "At least N landmarks are hosted by the first keyframe (default 0)");
   app::AddNumber(cli, "--length", &o.recording.world.length_m, 1.0, 1e4,
                  "Length of the recorded flight (m; default 15)");
-  app::AddInteger(cli, "--cameras", &o.bal.num_cameras, 3, 10000,
-                  "Cameras of a bundle adjustment (default 16)");
+  app::AddInteger(cli, "--cameras", &o.cameras, 3, 20000,
+                  "Cameras of a bundle adjustment (default 16, of a city 200)");
   app::AddInteger(cli, "--points", &o.bal.num_points, 1, 10000000,
                   "Points of a bundle adjustment (default 300)");
+  app::AddNumber(cli, "--outliers", &o.city.outlier_share, 0.0, 0.5,
+                 "Part of a city's observations that are anywhere in the image (default 0)");
 }
 
 app::Outcome MakeWindows(Options o) {
@@ -130,14 +141,32 @@ app::Outcome MakeOdometry(Options o) {
   return {};
 }
 
-app::Outcome MakeBal(Options o) {
-  o.bal.seed = o.seed;
-  const auto problem = sim::MakeBalScene(o.bal);
+app::Outcome WriteProblem(const Result<BalProblem>& problem, const std::string& path,
+                          app::StatusLine* status) {
+  status->Clear();
   if (!problem.ok()) return app::BadInput(problem.status());
-  if (Status s = WriteBal(*problem, o.output); !s.ok()) return app::Failed(s);
-  app::Print("{}: {} cameras, {} points, {} observations\n", o.output, problem->cameras.size(),
+  const auto progress = [&](double part) { status->ShowPart("writing " + path, part); };
+  const Status s = WriteBal(*problem, path, progress);
+  status->Clear();
+  if (!s.ok()) return app::Failed(s);
+  app::Print("{}: {} cameras, {} points, {} observations\n", path, problem->cameras.size(),
              problem->points.size(), problem->observations.size());
   return {};
+}
+
+app::Outcome MakeBal(Options o) {
+  app::StatusLine status;
+  o.bal.seed = o.seed;
+  if (o.cameras != 0) o.bal.num_cameras = o.cameras;
+  return WriteProblem(sim::MakeBalScene(o.bal), o.output, &status);
+}
+
+app::Outcome MakeCity(Options o) {
+  app::StatusLine status;
+  o.city.seed = o.seed;
+  if (o.cameras != 0) o.city.num_cameras = o.cameras;
+  status.ShowNow(fmt::format("making a city of {} cameras", o.city.num_cameras));
+  return WriteProblem(sim::MakeCity(o.city), o.output, &status);
 }
 
 }  // namespace
@@ -146,6 +175,7 @@ int main(int argc, char** argv) {
   const auto make = [](const Options& options) {
     if (options.kind == "windows") return MakeWindows(options);
     if (options.kind == "odometry") return MakeOdometry(options);
+    if (options.kind == "city") return MakeCity(options);
     return options.kind == "bal" ? MakeBal(options) : MakeRecording(options);
   };
   return app::Program(kName, kDescription, kFooter).Main<Options>(argc, argv, AddOptions, make);

@@ -52,4 +52,8 @@ if [[ -d $flight ]]; then
   "$bin/vio_replay" "$flight" --states "$results/states.csv" >/dev/null
   "$python" scripts/plot_trajectory.py "$results/states.csv" "$flight" docs/images/window_euroc_v101.png
 fi
+# A city before and after.
+"$bin/make_data" city "$results/city.bbal" --cameras 1000 >/dev/null
+"$bin/ba_solve" "$results/city.bbal" --linear-solver sparse --output "$results/solved.bbal" >/dev/null
+"$python" scripts/plot_bal.py "$results/city.bbal" "$results/solved.bbal" docs/images/city_1000.png
 git --no-pager diff --stat -- docs

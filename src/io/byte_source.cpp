@@ -3,6 +3,7 @@
 #include "io/byte_source.h"
 
 #include <bzlib.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
 #include <cerrno>
@@ -45,7 +46,14 @@ class RawFile {
     }
     return true;
   }
+  /// 0 where that cannot be told before it has been read.
+  [[nodiscard]] std::int64_t Length() const {
+    struct stat status {};
+    if (fstat(fileno(file_), &status) != 0 || !S_ISREG(status.st_mode)) return 0;
+    return static_cast<std::int64_t>(status.st_size);
+  }
   [[nodiscard]] char* data() { return buffer_.data() + begin_; }
+  [[nodiscard]] const char* data() const { return buffer_.data() + begin_; }
   [[nodiscard]] std::size_t size() const { return end_ - begin_; }
   void Consume(std::size_t n) { begin_ += n; }
 
@@ -65,6 +73,10 @@ class PlainSource final : public ByteSource {
     std::memcpy(to, file_->data(), n);
     file_->Consume(n);
     return static_cast<std::ptrdiff_t>(n);
+  }
+  [[nodiscard]] std::int64_t Size() const override { return file_->Length(); }
+  [[nodiscard]] std::string_view FirstBytes() const override {
+    return {file_->data(), file_->size()};
   }
 
  private:
@@ -195,7 +207,7 @@ Result<std::unique_ptr<ByteSource>> OpenByteSource(const std::string& path) {
   }
   auto file = std::make_unique<RawFile>(raw);
   std::string why;
-  if (!file->Fill(4, &why)) return Status(StatusCode::kIoError, path + ": cannot be read: " + why);
+  if (!file->Fill(8, &why)) return Status(StatusCode::kIoError, path + ": cannot be read: " + why);
   std::unique_ptr<ByteSource> source;
   if (IsGzip(file->data(), file->size())) {
     source = std::make_unique<CompressedSource<GzipCodec>>(std::move(file));

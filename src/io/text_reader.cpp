@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "io/quick_number.h"
+
 namespace glissade::internal {
 
 namespace {
@@ -128,6 +130,22 @@ bool TextReader::NextWord() {
   return true;
 }
 
+template <class T>
+bool TextReader::QuickWord(const char* (*read)(const char*, const char*, T*), T* x) {
+  if (peeked_ || !ok()) return false;
+  const char* p = buffer_.data() + begin_;
+  const char* const end = buffer_.data() + end_;
+  while (p != end && IsSpace(*p))
+    line_ += *p++ == '\n' ? 1 : 0;
+  begin_ = static_cast<std::size_t>(p - buffer_.data());
+  const char* const after = read(p, end, x);
+  if (after == nullptr || after == end || !IsSpace(*after)) return false;
+  word_ = std::string_view(p, static_cast<std::size_t>(after - p));
+  begin_ += word_.size();
+  word_line_ = line_;
+  return true;
+}
+
 std::string_view TextReader::Peek() {
   if (!peeked_) {
     NextWord();
@@ -153,7 +171,16 @@ void TextReader::ExpectEnd() {
   if (NextWord()) FailExpected("the end of the file", -1, "");
 }
 
+bool TextReader::AtEndOfLine() {
+  for (std::size_t k = begin_; !peeked_ && k < end_ && IsSpace(buffer_[k]); ++k) {
+    if (buffer_[k] == '\n') return true;
+  }
+  const std::int64_t line = word_line_;
+  return AtEnd() || word_line_ != line;
+}
+
 double TextReader::Number(std::string_view what, std::int64_t index) {
+  if (double quick = 0.0; QuickWord<double>(QuickDouble, &quick)) return quick;
   if (!NextWord()) {
     FailExpected(what, index, "a number");
     return 0.0;
@@ -189,6 +216,11 @@ void TextReader::Numbers(double* to, int n, std::string_view what, std::int64_t 
 
 std::int64_t TextReader::Integer(std::int64_t low, std::int64_t high, std::string_view what,
                                  std::int64_t index) {
+  std::int64_t quick = 0;
+  if (QuickWord<std::int64_t>(QuickInteger, &quick)) {
+    if (quick >= low && quick <= high) return quick;
+    peeked_ = true;  // the word is looked at once more, to say what is wrong with it
+  }
   if (!NextWord()) {
     FailExpected(what, index, "an integer");
     return 0;

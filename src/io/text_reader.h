@@ -28,10 +28,14 @@ class TextReader {
  public:
   /// From `comment` to the end of the line is skipped where a word would begin; 0: no comments.
   static Result<TextReader> Open(const std::string& path, char comment = '\0');
+  /// Reads from a file that has been opened.
+  TextReader(std::string path, char comment, std::unique_ptr<ByteSource> source);
 
   [[nodiscard]] bool ok() const { return status_.ok(); }
   [[nodiscard]] const Status& status() const { return status_; }
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// Bytes of the file, 0 where they are not known (compressed, a pipe).
+  [[nodiscard]] std::int64_t size() const { return source_->Size(); }
   /// Line of the word read last, from 1.
   [[nodiscard]] std::int64_t line() const { return word_line_; }
 
@@ -49,6 +53,8 @@ class TextReader {
   void Expect(std::string_view word);
   /// Fails unless the file ends here.
   void ExpectEnd();
+  /// True where nothing but white space and comments follows on the line of the word read last.
+  bool AtEndOfLine();
 
   /// A finite number.
   double Number(std::string_view what, std::int64_t index = -1);
@@ -64,11 +70,14 @@ class TextReader {
   int Index(int size, std::string_view what, std::int64_t index = -1);
 
  private:
-  TextReader(std::string path, char comment, std::unique_ptr<ByteSource> source);
   friend class Result<TextReader>;
   TextReader() = default;
 
   bool NextWord();
+  /// The next word by `read`, QuickDouble or QuickInteger; false, and nothing read, where it is not
+  /// what they know or the buffer ends too soon.
+  template <class T>
+  bool QuickWord(const char* (*read)(const char*, const char*, T*), T* x);
   bool Refill();
   /// "expected WHAT INDEX, found ..." of the present word.
   void FailExpected(std::string_view what, std::int64_t index, std::string_view rule);
@@ -90,10 +99,12 @@ class TextReader {
 /// A word fit for a one-line message: shortened, control characters replaced.
 std::string Printable(std::string_view word);
 
-/// How much to reserve for a count that a file claims: a lie must not cost gigabytes.
-inline std::size_t ReserveFor(std::int64_t count) {
+/// How much to reserve for a count that a file claims: a lie must not cost gigabytes. `most` is how
+/// many the file can hold, where that is known.
+inline std::size_t ReserveFor(std::int64_t count, std::int64_t most = 0) {
   constexpr std::int64_t kMost = 1 << 20;
-  return static_cast<std::size_t>(count < kMost ? count : kMost);
+  if (most < kMost) most = kMost;
+  return static_cast<std::size_t>(count < most ? count : most);
 }
 
 }  // namespace glissade::internal

@@ -5,6 +5,7 @@
 #include <bzlib.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -134,9 +135,8 @@ TextWriter& TextWriter::Word(std::string_view word) {
 
 TextWriter& TextWriter::Number(double x) {
   char text[32];
-  const auto [end, error] =
-      std::to_chars(text, text + sizeof(text), x, std::chars_format::general, 17);
-  static_cast<void>(error);  // 17 digits, sign, point and exponent are 24 characters
+  const auto [end, error] = std::to_chars(text, text + sizeof(text), x);
+  static_cast<void>(error);  // at most 17 digits, sign, point and exponent are 24 characters
   return Word(std::string_view(text, static_cast<std::size_t>(end - text)));
 }
 
@@ -147,7 +147,10 @@ TextWriter& TextWriter::Numbers(const double* x, int n) {
 }
 
 TextWriter& TextWriter::Integer(std::int64_t x) {
-  return Word(std::to_string(x));
+  char text[24];
+  const auto [end, error] = std::to_chars(text, text + sizeof(text), x);
+  static_cast<void>(error);  // 19 digits and a sign
+  return Word(std::string_view(text, static_cast<std::size_t>(end - text)));
 }
 
 void TextWriter::EndLine() {
@@ -159,6 +162,17 @@ void TextWriter::EndLine() {
 void TextWriter::Line(std::string_view text) {
   buffer_ += text;
   EndLine();
+}
+
+void TextWriter::Bytes(const void* data, std::size_t size) {
+  const auto* bytes = static_cast<const char*>(data);
+  while (size > 0) {
+    const std::size_t n = std::min(size, kFlushSize);
+    buffer_.append(bytes, n);
+    if (buffer_.size() >= kFlushSize) Flush();
+    bytes += n;
+    size -= n;
+  }
 }
 
 /// Notes the first failure, and why.

@@ -20,8 +20,8 @@ class ByteSink {
   virtual bool Close() = 0;
 };
 
-/// Writes a text file, compressed if the name ends in .gz or .bz2; numbers with 17 significant
-/// digits, which read back to the same bits.
+/// Writes a text file, compressed if the name ends in .gz or .bz2; numbers with as many digits as
+/// it takes to read back to the same bits.
 ///
 /// The file appears whole or not at all: it is written beside its place and moved there by Close().
 /// A writer destroyed before leaves nothing behind.
@@ -40,6 +40,8 @@ class TextWriter {
   void EndLine();
   /// A line of text as it is.
   void Line(std::string_view text);
+  /// Bytes as they are, where a format is not text from here on.
+  void Bytes(const void* data, std::size_t size);
 
   Status Close();
 

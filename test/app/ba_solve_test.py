@@ -7,6 +7,7 @@ import bz2
 import gzip
 import math
 import random
+import struct
 
 from app_test_util import HEADER, ROOT, AppTest, data_folder, main
 
@@ -66,7 +67,8 @@ class BaSolve(AppTest):
     app = "ba_solve"
     numeric_options = {"--iterations": ("-1", "1.5", "1000001", "1e3"),
                        "--threads": ("0", "-1", "1025", "1e9", "2.0"),
-                       "--tolerance": ("-1e-9", "-1", "1")}
+                       "--tolerance": ("-1e-9", "-1", "1"),
+                       "--city": ("0", "19", "20001", "-200", "200.0"), "--seed": ("-1", "4294967296")}
 
     def check_schema(self, result, *more):
         self.assertEqual(set(result), KEYS | set(more))
@@ -139,6 +141,86 @@ class BaSolve(AppTest):
         self.assertEqual((self.folder / "out.txt.gz").read_bytes()[:2], b"\x1f\x8b")
         self.assertEqual((self.folder / "out.txt.bz2").read_bytes()[:3], b"BZh")
 
+    def test_city(self):
+        result = self.run_json("--city", 60, "--seed", 3)
+        self.check_schema(result)
+        self.assertEqual(result["file"], "city of 60 cameras, seed 3")
+        self.assertEqual(result["cameras"], 60)
+        # Down to the noise: 0.5 px.
+        dof = 2 * result["observations"] - 9 * 60 - 3 * result["points"] + 7
+        self.assertAlmostEqual(result["final_cost"] / (0.125 * dof), 1, delta=5 * math.sqrt(2 / dof))
+        self.assertGreater(result["initial_cost"], 20 * result["final_cost"])
+        self.assertEqual(self.run_json("--city", 60, "--seed", 3)["final_cost"], result["final_cost"])
+        self.assertNotEqual(self.run_json("--city", 60)["final_cost"], result["final_cost"])
+        out = self.run_ok("--city", 60, "--iterations", 0)
+        self.assertRegex(out, r"^city of 60 cameras, seed 1: 60 cameras, .* made in ")
+
+    def test_output_as_the_end_of_the_name_says(self):
+        result = self.run_json("--city", 40, "--output", "out.bbal")
+        again = self.run_json("out.bbal", "--iterations", 0)
+        self.assertEqual(again["initial_cost"], result["final_cost"])
+        self.assertEqual((self.folder / "out.bbal").read_bytes()[1:5], b"BBAL")
+        self.run_ok("out.bbal", "--iterations", 0, "--output", "out.ply")
+        ply = (self.folder / "out.ply").read_bytes()
+        head, body = ply.split(b"end_header\n", 1)
+        vertices, edges = result["points"] + 5 * 40, 8 * 40
+        self.assertIn(b"format binary_little_endian 1.0\nelement vertex %d\n" % vertices, head)
+        self.assertIn(b"element edge %d\n" % edges, head)
+        self.assertEqual(len(body), 15 * vertices + 11 * edges)
+
+    def test_the_binary_form_is_as_documented(self):
+        """docs/formats.md, read by hand."""
+        self.write("a.txt", make_bal(num_points=10)[0])
+        self.run_ok("a.txt", "--iterations", 0, "--output", "a.bbal")
+        data = (self.folder / "a.bbal").read_bytes()
+        self.assertEqual(data[:8].hex(), "894242414c0d0a1a")
+        version, order = struct.unpack("=II", data[8:16])
+        self.assertEqual((version, order), (1, 0x01020304))
+        counts = struct.unpack("=3q", data[16:40])
+        self.assertEqual(counts, (5, 10, 50))
+        self.assertEqual(len(data), 48 + 72 * 5 + 24 * 10 + 24 * 50)
+        checksum, most = 0, (1 << 64) - 1
+        for (word,) in struct.iter_unpack("=Q", data[48:]):
+            product = (checksum ^ word) * 0x9e3779b97f4a7c15 & most
+            checksum = (product << 29 & most) | product >> 35
+        self.assertEqual(checksum, struct.unpack("=Q", data[40:48])[0])
+        words = [float(x) for x in (self.folder / "a.txt").read_text(encoding="utf-8").split()][3:]
+        observations, vertices = words[:4 * 50], words[4 * 50:]
+        self.assertEqual(list(struct.unpack("=75d", data[48:48 + 8 * 75])), vertices)
+        self.assertEqual([x for o in struct.iter_unpack("=2i2d", data[48 + 8 * 75:]) for x in o], observations)
+
+    def test_progress_on_a_terminal(self):
+        """A line that is written over, with time left, and gone at the end."""
+        import os
+        import pty
+        import subprocess
+        import threading
+        ours, its = pty.openpty()
+        shown = bytearray()
+
+        def listen():
+            try:
+                while data := os.read(ours, 4096):
+                    shown.extend(data)
+            except OSError:  # the other end is closed
+                pass
+
+        listener = threading.Thread(target=listen)
+        listener.start()
+        done = subprocess.run([str(self.folder_of_executables / self.app), "--city", "300", "--tolerance", "0",
+                               "--iterations", "25"], cwd=self.folder, stdout=subprocess.PIPE, stderr=its, text=True, check=False,
+                              timeout=300)
+        os.close(its)
+        listener.join()
+        os.close(ours)
+        self.assertEqual(done.returncode, 0)
+        self.assertNotIn("left", done.stdout)
+        text = shown.decode()
+        self.assertTrue(text.startswith("\rmaking a city of 300 cameras, seed 1\x1b[K"), text[:80])
+        self.assertRegex(text, r"\riteration \d+ of at most 25, cost \d\.\d{6}e[-+]\d+, \d+ s, "
+                               r"(about|at most) [0-9.]+ (s|min|h) left\x1b\[K")
+        self.assertTrue(text.endswith("\r\x1b[K"), text[-80:])
+
     def test_table(self):
         path = self.write("a.txt", make_bal()[0])
         out = self.run_ok(path, "--iterations", 3)
@@ -177,7 +259,7 @@ class BaSolve(AppTest):
     def test_refuses_options(self):
         path = self.write("a.txt", make_bal(num_points=10)[0])
         for args, says in (
-                ((), "FILE"), ((path, path), str(path)), ((path, "--linear-solver", "qr"), "--linear"),
+                ((), "FILE"), ((path, "--city", 50), "--city"), ((path, "--seed", 2), "--seed"), ((path, path), str(path)), ((path, "--linear-solver", "qr"), "--linear"),
                 ((path, "--linear-solver", ""), "--linear"), ((path, "--method", "gn"), "--method"),
                 ((path, "--method", "course"), "--method"),
                 ((path, "--loss", "l1"), "--loss"), ((path, "--loss", ""), "--loss"),
@@ -251,12 +333,24 @@ class BaSolve(AppTest):
         self.assertEqual(again["initial_cost"], result["final_cost"])
         self.assertLessEqual(result["final_cost"], result["initial_cost"])
 
+    def test_interrupted_city(self):
+        out, result = self.check_interrupt("--city", 200, "--tolerance", 0, "--iterations", 1000000,
+                                           "--output", "b.bbal", after="\n   0 ")
+        self.check_schema(result)
+        self.assertTrue(result["status"].startswith("cancelled"), result["status"])
+        self.assertLess(result["iterations"], 1000)
+        self.assertIn("cancelled", out)
+        again = self.run_json("b.bbal", "--iterations", 0)
+        self.assertEqual(again["initial_cost"], result["final_cost"])
+        self.assertLessEqual(result["final_cost"], result["initial_cost"])
+
     def test_version(self):
         self.check_version()
 
     def test_help(self):
         self.check_help("--method", "FILE", "--linear-solver", "--iterations", "--threads", "--loss",
-                        "--tolerance", "--output", "--json", "--compare-ceres")
+                        "--tolerance", "--output", "--json", "--compare-ceres", "--city", "--seed", ".ply",
+                        ".bbal")
 
 
 if __name__ == "__main__":

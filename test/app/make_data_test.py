@@ -4,6 +4,7 @@
 """make_data: what it writes is read by the programs that it is for; what makes no sense is refused."""
 
 import gzip
+import json
 import subprocess
 
 from app_test_util import ROOT, AppTest, main
@@ -13,7 +14,7 @@ class MakeDataTest(AppTest):
     app = "make_data"
     numeric_options = {"--seed": ("-1", "1.5"), "--windows": ("0", "1.5"), "--keyframes": ("1", "1001"),
                        "--landmarks": ("0",), "--hosted-by-first": ("-1",), "--length": ("0",),
-                       "--cameras": ("2",), "--points": ("0",)}
+                       "--cameras": ("2",), "--points": ("0",), "--outliers": ("-0.1", "0.6")}
 
     def test_help_and_version(self):
         text = self.run_ok("--help")
@@ -44,6 +45,19 @@ class MakeDataTest(AppTest):
                                   cwd=self.folder, capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, 0, done.stderr)
 
+    def test_city(self):
+        out = self.run_ok("city", "c.txt.gz", "--cameras", "50", "--seed", "4")
+        self.assertRegex(out, r"^c.txt.gz: 50 cameras, \d+ points, \d+ observations\n$")
+        self.run_ok("city", "c.bbal", "--cameras", "50", "--seed", "4")
+        self.run_ok("city", "o.txt", "--cameras", "50", "--seed", "4", "--outliers", "0.05")
+        costs = []
+        for name in ("c.txt.gz", "c.bbal", "o.txt"):
+            done = subprocess.run([self.folder_of_executables / "ba_solve", name, "--iterations", "0",
+                                   "--json", "-"], cwd=self.folder, capture_output=True, text=True, check=True)
+            costs.append(json.loads(done.stdout)["initial_cost"])
+        self.assertEqual(costs[0], costs[1])
+        self.assertGreater(costs[2], 10 * costs[0])
+
     def test_the_same_seed_gives_the_same_file(self):
         for name, seed in (("a", "7"), ("b", "7"), ("c", "8")):
             self.run_ok("windows", name, "--windows", "1", "--keyframes", "5", "--landmarks", "5",
@@ -55,6 +69,7 @@ class MakeDataTest(AppTest):
     def test_refusals(self):
         self.check_refused("waves", "f", says="KIND")
         self.check_refused("windows", says="OUTPUT")
+        self.check_refused("city", "f", "--cameras", "19", says="num_cameras")
         self.check_refused("windows", "f", "--hosted-by-first", "10000", says="hosted_by_first")
         self.check_numeric_options("windows", "f")
 

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "common/data_dir.h"
 #include "glissade/losses/huber.h"
@@ -216,6 +218,36 @@ TEST(Bal, ToAGraphAndBack) {
   EXPECT_EQ(graph.NumVertices(), 3);
   ASSERT_TRUE(graph.AddVertex(VertexPose{}).ok());
   EXPECT_EQ(BalFromGraph(graph).status().code(), StatusCode::kInvalidArgument);
+}
+
+TEST(Bal, MovedToAGraphItIsTheSame) {
+  TempFiles files;
+  const BalProblem problem = ReadBal(files.Write("a", kSmall)).value();
+  Graph copied, moved;
+  ASSERT_TRUE(AddToGraph(problem, copied, Huber{2.0}).ok());
+  ASSERT_TRUE(MoveToGraph(BalProblem(problem), moved, Huber{2.0}).ok());
+  EXPECT_TRUE(SameBits(problem, *BalFromGraph(moved)));
+  EXPECT_EQ(moved.Cost().value(), copied.Cost().value());
+  BalProblem bad = problem;
+  bad.observations[3].camera = 7;
+  EXPECT_EQ(MoveToGraph(std::move(bad), moved).code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(MoveToGraph(BalProblem(problem), moved, Huber{-1.0}).code(), StatusCode::kNotPositive);
+  EXPECT_EQ(moved.NumVertices(), 5);
+  EXPECT_EQ(moved.NumEdges(), 4);
+}
+
+TEST(Bal, ProgressOfALongText) {
+  TempFiles files;
+  BalProblem problem = ReadBal(files.Write("a", kSmall)).value();
+  problem.observations.resize(300000, problem.observations[0]);
+  std::vector<double> parts;
+  ASSERT_TRUE(WriteBal(problem, files.Path("b"), [&](double part) { parts.push_back(part); }).ok());
+  ASSERT_GE(parts.size(), 3u);
+  EXPECT_GT(parts.front(), 0.0);
+  for (std::size_t k = 1; k < parts.size(); ++k)
+    EXPECT_GT(parts[k], parts[k - 1]);
+  EXPECT_LE(parts.back(), 1.0);
+  EXPECT_TRUE(SameBits(problem, *ReadBal(files.Path("b"))));
 }
 
 TEST(Bal, PublishedProblems) {

@@ -110,6 +110,38 @@ TEST(TextReader, CommentsPeekAndKeywords) {
   EXPECT_EQ(Message(in), "5: expected the end of the file, found 'END'");
 }
 
+TEST(TextReader, TheEndOfALine) {
+  TempFiles files;
+  auto reader = TextReader::Open(files.Write("a", "1 2 \r\n3 # rest\n4 5\n\n6"), '#');
+  TextReader& in = reader.value();
+  in.Number("a");
+  EXPECT_FALSE(in.AtEndOfLine());
+  EXPECT_EQ(in.Number("b"), 2.0);
+  EXPECT_TRUE(in.AtEndOfLine());
+  EXPECT_EQ(in.line(), 1);
+  EXPECT_EQ(in.Number("c"), 3.0);
+  EXPECT_TRUE(in.AtEndOfLine());
+  EXPECT_EQ(in.Number("d"), 4.0);
+  EXPECT_EQ(in.Peek(), "5");
+  EXPECT_FALSE(in.AtEndOfLine());
+  EXPECT_EQ(in.Integer(0, 9, "e"), 5);
+  EXPECT_EQ(in.line(), 3);
+  EXPECT_TRUE(in.AtEndOfLine());
+  EXPECT_EQ(in.Word("f"), "6");
+  EXPECT_EQ(in.line(), 5);
+  EXPECT_TRUE(in.AtEndOfLine());
+  EXPECT_TRUE(in.ok());
+}
+
+TEST(TextReader, AnIntegerOutOfRangeIsStillThere) {
+  TempFiles files;
+  auto reader = TextReader::Open(files.Write("a", "1\n17 3\n"));
+  TextReader& in = reader.value();
+  in.Number("a");
+  EXPECT_EQ(in.Integer(0, 9, "digit"), 0);
+  EXPECT_EQ(Message(in), "2: expected digit (0 to 9), found '17'");
+}
+
 TEST(TextReader, WordsAcrossBuffersInEveryCompression) {
   TempFiles files;
   std::string content;

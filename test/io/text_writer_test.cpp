@@ -14,7 +14,7 @@
 namespace glissade::internal {
 namespace {
 
-TEST(TextWriter, SeventeenDigitsComeBackAsTheSameBits) {
+TEST(TextWriter, AsManyDigitsAsItTakesForTheSameBits) {
   TempFiles files;
   const double numbers[] = {0.1,    1.0 / 3.0,
                             -0.0,   1e300,
@@ -39,7 +39,7 @@ TEST(TextWriter, SeventeenDigitsComeBackAsTheSameBits) {
     in.ExpectEnd();
     EXPECT_TRUE(in.ok()) << in.status().message();
   }
-  EXPECT_EQ(files.Read("a.txt").substr(0, 27), "x 0.10000000000000001 -7\nx ");
+  EXPECT_EQ(files.Read("a.txt").substr(0, 11), "x 0.1 -7\nx ");
   EXPECT_EQ(files.Read("a.txt.gz").substr(0, 2), "\x1f\x8b");
   EXPECT_EQ(files.Read("a.txt.bz2").substr(0, 3), "BZh");
 }

@@ -230,7 +230,7 @@ TEST(City, StreetsAreComeBackTo) {
 }
 
 TEST(City, TheReducedSystemIsSparse) {
-  for (const auto& [n, low, high] : {std::tuple{1000, 0.05, 0.15}, std::tuple{3000, 0.02, 0.06}}) {
+  for (const auto& [n, low, high] : {std::tuple{1000, 0.05, 0.15}, std::tuple{2000, 0.03, 0.09}}) {
     const auto city = MakeCity({.num_cameras = n});
     std::vector<bool> pair(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
     const auto begin = Tracks(*city);

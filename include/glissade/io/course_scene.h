@@ -56,8 +56,9 @@ struct CourseScene {
 /// "file:line: what".
 [[nodiscard]] Result<CourseScene> ReadCourseScene(const std::string& path);
 
-/// Writes a file, compressed if its name ends in .gz or .bz2, with 17 digits: reading it gives the
-/// same bits. `comment` becomes the first lines. Refuses an invalid scene; then nothing is written.
+/// Writes a file, compressed if its name ends in .gz or .bz2, with the digits it takes:
+/// reading it gives the same bits. `comment` becomes the first lines. Refuses an invalid scene;
+/// then nothing is written.
 Status WriteCourseScene(const CourseScene& scene, const std::string& path,
                         const std::string& comment = {});
 

@@ -115,8 +115,8 @@ struct ViowinWindow {
 /// cannot be opened or decompressed, else kParseError).
 [[nodiscard]] Result<std::vector<ViowinWindow>> ReadViowin(const std::string& path);
 
-/// Writes VIOWIN 2, compressed if the name ends in .gz or .bz2, with 17 digits: reading it gives
-/// the same bits. Refuses what ReadViowin would not take back; then nothing is written.
+/// Writes VIOWIN 2, compressed if the name ends in .gz or .bz2, with the digits it takes: reading
+/// it gives the same bits. Refuses what ReadViowin would not take back; then nothing is written.
 Status WriteViowin(const std::vector<ViowinWindow>& windows, const std::string& path);
 
 enum class WindowKind {
