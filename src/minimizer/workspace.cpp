@@ -104,7 +104,7 @@ SolveRequest MakeRequest(const SolveOptions& options, double forcing, double pro
   SolveRequest request;
   request.tolerance = options.pcg.tolerance;
   request.max_iterations = options.pcg.max_iterations;
-  request.model_tolerance = std::clamp(std::sqrt(progress), 0.01 * forcing, forcing);
+  request.model_tolerance = std::clamp(std::sqrt(progress), 0.3 * forcing, forcing);
   return request;
 }
 

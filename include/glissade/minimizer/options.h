@@ -48,8 +48,8 @@ struct PcgOptions {
   double tolerance = 1e-10;  ///< stop at |r| <= tolerance |b|
   /// Inexact Newton steps: stop too where an iteration brings less than this part of what the model
   /// has decreased so far (SolveRequest::model_tolerance). The part becomes smaller as the solve
-  /// converges: with the square root of the last relative decrease of the cost, down to a
-  /// hundredth. 0: tolerance alone.
+  /// converges: with the square root of the last relative decrease of the cost, down to a third.
+  /// 0: tolerance alone.
   double forcing = 0.0;
   int max_iterations = 0;  ///< 0: 2 n
 };
