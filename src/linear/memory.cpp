@@ -56,7 +56,7 @@ std::int64_t NormalEquations::ReducedMemoryBytes(const Structure& structure, Sch
   }
   // Tables of the blocks, and of the batches: each block of a batch has a few pairs.
   constexpr std::int64_t kPerBlock = 2 * sizeof(BlockIndex) + 8 + 4 + 4;
-  constexpr std::int64_t kPerPair = sizeof(kernels::SlotPair) + sizeof(kernels::SchurBlock) / 4;
+  constexpr std::int64_t kPerPair = sizeof(kernels::SlotPair) + sizeof(kernels::SchurBlock) / 5;
   std::int64_t bytes = kDouble * (numbers + n) +
                        kPerBlock * static_cast<std::int64_t>(all.blocks.size()) + kPerPair * pairs +
                        6 * slots;

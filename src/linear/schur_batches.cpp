@@ -27,6 +27,11 @@ void SchurBatches::List(const Structure& structure, const SchurStorage& storage)
   local_.assign(structure.poses().size(), -1);
   for (Batch& batch : batches_)
     ListBlocks(structure, storage, &batch);
+  if (!structure.IsLarge()) return;
+  blocks_.shrink_to_fit();
+  pairs_.shrink_to_fit();
+  slot_.shrink_to_fit();
+  landmark_.shrink_to_fit();
 }
 
 void SchurBatches::CutIntoBatches(const Structure& structure) {

@@ -43,11 +43,14 @@ void SchurStorage::LayOut(const Structure& structure, SchurForm form,
   laid_out_ = 0;
   form_ = form;
   wanted_.assign(wanted.begin(), wanted.end());
-  MakePlaces();
-  CutProduct();
+  const std::int64_t size = MakePlaces();
   cuts_.clear();
   ListPoseBlocks(structure);
   batches_.List(structure, *this);
+  // After what takes room for a moment. In the dense form blocks outside the pattern are never
+  // written: zero once.
+  data_.assign(Index(size), 0.0);
+  CutProduct();
   const LandmarkPlan& plan = structure.groups();
   group_places_.resize(plan.blocks.size());
   for (std::size_t k = 0; k < plan.blocks.size(); ++k)
@@ -56,7 +59,7 @@ void SchurStorage::LayOut(const Structure& structure, SchurForm form,
   laid_out_ = structure.analysis();
 }
 
-void SchurStorage::MakePlaces() {
+std::int64_t SchurStorage::MakePlaces() {
   const std::size_t n = all_.num_vertices();
   column_.resize(n);
   stride_.resize(n);
@@ -105,11 +108,10 @@ void SchurStorage::MakePlaces() {
     stride_[c] = PaddedStride(height);
     size += width * stride_[c];
   }
-  // In the dense form blocks outside the pattern are never written: zero once.
-  data_.assign(Index(size), 0.0);
   if (form_ == SchurForm::kDense) stored_.push_back({0, 0});
   layout_ = all_;
   if (form_ != SchurForm::kBlocks) layout_.blocks = stored_;
+  return size;
 }
 
 std::size_t SchurStorage::IndexOf(std::int32_t row, std::int32_t col) const {

@@ -83,7 +83,8 @@ class SchurStorage final : public SchurOperator {
   void SetOwner(const Owner& owner) { owner_ = owner; }
 
  private:
-  void MakePlaces();
+  /// Returns the numbers that all stored blocks take.
+  std::int64_t MakePlaces();
   void CutProduct();
   void MultiplyColumns(std::size_t begin, std::size_t end, const double* x, double* x_part,
                        double* y_part, double* y) const;

@@ -5,6 +5,7 @@
 // on diag(1, 2, 3) x = b, which one preconditioned step solves, it returns 0.
 #include <gtest/gtest.h>
 
+#include "glissade/linear/pcg.h"
 #include "regression/course_support.h"
 #include "support/matrix_operator.h"
 
@@ -48,7 +49,7 @@ System Dense() {
 TEST(PcgFirstStep, IsApplied) {
   for (const System& system : {Diagonal(), Dense()}) {
     for (auto preconditioner : {Preconditioner::kJacobi, Preconditioner::kBlockJacobi}) {
-      PcgSolver ours(SchurForm::kBlocks, preconditioner);
+      PcgSolver ours(PcgSolver::Schur::kExplicit, preconditioner);
       EXPECT_TRUE(Solves(ours, system));
     }
     DenseCholeskySolver direct;
