@@ -24,7 +24,7 @@ void Graph::DropFreeTangent(AnyVertex vertex) {
 
 void Graph::Reanchor(AnyVertex vertex) {
   DropGaugeReference(vertex);
-  if (!IsPartial(GetFixed(vertex))) return;
+  if (!IsPartial(GetFixed(vertex)) && !IsHolding()) return;
   for (FreeTangent& tangent : free_tangents_) {
     if (tangent.vertex == vertex) Reanchor(&tangent);
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "glissade/base/out_of_memory.h"
 #include "glissade/io/colmap_graph.h"
@@ -31,25 +32,40 @@ void SetCameraInWorld(const Pose& T_w_c, ColmapImage* image) {
   std::copy_n(T_c_w.data, 3, image->t);
 }
 
-/// Mean distance between features and projections; -1 where there is none that has a value.
-double MeanError(const ColmapModel& model, const ColmapIds& ids, const ColmapPoint& point) {
-  double sum = 0.0;
-  int count = 0;
-  for (const ColmapTrackElement& element : point.track) {
-    const ColmapImage& image = model.images[ids.image.at(element.image)];
-    const ColmapCamera& camera = model.cameras[ids.camera.at(image.camera)];
-    const ColmapFeature& feature = image.features[element.feature];
-    const Pose T_w_c = CameraInWorld(image);
-    const Vector3 p_c = T_w_c.Inverse() * Vector3(point.xyz[0], point.xyz[1], point.xyz[2]);
-    Vec<double, 2> uv;
-    if (!internal::ProjectColmap(camera, {{p_c[0], p_c[1], p_c[2]}}, uv)) continue;
-    const double error = std::hypot(uv[0] - feature.x, uv[1] - feature.y);
-    if (!std::isfinite(error)) continue;
-    sum += error;
-    ++count;
+/// Distances between features and where their points project to.
+class ReprojectionErrors {
+ public:
+  explicit ReprojectionErrors(const ColmapModel& model) : model_(model), ids_(model) {
+    for (const ColmapImage& image : model.images) {
+      T_c_w_.push_back(CameraInWorld(image).Inverse());
+      camera_.push_back(ids_.camera.at(image.camera));
+    }
   }
-  return count > 0 ? sum / count : -1.0;
-}
+  /// Over the track of a point; -1 where nothing of it has a value.
+  [[nodiscard]] double Mean(const ColmapPoint& point) const {
+    double sum = 0.0;
+    int count = 0;
+    for (const ColmapTrackElement& element : point.track) {
+      const std::size_t k = ids_.image.at(element.image);
+      const ColmapFeature& feature = model_.images[k].features[element.feature];
+      const Vector3 p_c = T_c_w_[k] * Vector3(point.xyz[0], point.xyz[1], point.xyz[2]);
+      Vec<double, 2> uv;
+      if (!internal::ProjectColmap(model_.cameras[camera_[k]], {{p_c[0], p_c[1], p_c[2]}}, uv))
+        continue;
+      const double error = std::hypot(uv[0] - feature.x, uv[1] - feature.y);
+      if (!std::isfinite(error)) continue;
+      sum += error;
+      ++count;
+    }
+    return count > 0 ? sum / count : -1.0;
+  }
+
+ private:
+  const ColmapModel& model_;
+  ColmapIds ids_;
+  std::vector<Pose> T_c_w_;
+  std::vector<std::size_t> camera_;
+};
 
 Status CheckHandles(const Graph& graph, const ColmapHandles& handles, const ColmapModel& model) {
   if (handles.images.size() != model.images.size() ||
@@ -92,8 +108,8 @@ void TakeIntrinsics(const Graph& graph, const AnyVertex& vertex, ColmapCamera* c
 
 Status UpdateFromGraph(const Graph& graph, const ColmapHandles& handles, ColmapModel* model) {
   return internal::OrOutOfMemory([&]() -> Status {
+    if (Status status = CheckColmap(*model); !status.ok()) return status;
     if (Status status = CheckHandles(graph, handles, *model); !status.ok()) return status;
-    const ColmapIds ids(*model);
     for (std::size_t k = 0; k < handles.images.size(); ++k) {
       if (const VertexPose* pose = graph.Find(handles.images[k]))
         SetCameraInWorld(pose->pose, &model->images[k]);
@@ -107,9 +123,10 @@ Status UpdateFromGraph(const Graph& graph, const ColmapHandles& handles, ColmapM
       const VertexPointXYZ* point = graph.Find(handles.points[k]);
       if (point != nullptr) std::copy_n(point->data, 3, model->points[k].xyz);
     }
+    const ReprojectionErrors errors(*model);
     for (std::size_t k = 0; k < handles.points.size(); ++k) {
-      if (graph.Contains(handles.points[k]))
-        model->points[k].error = MeanError(*model, ids, model->points[k]);
+      ColmapPoint& point = model->points[k];
+      if (graph.Contains(handles.points[k])) point.error = errors.Mean(point);
     }
     return {};
   });

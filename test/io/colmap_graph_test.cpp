@@ -212,6 +212,27 @@ TEST(ColmapToGraph, OptionsSayWhatIsEstimated) {
   EXPECT_EQ(problem.GetFixed(handles->images[1]), Fix::kFree);
 }
 
+TEST(ColmapToGraph, GaugesDoNotChangeTheOptimum) {
+  const ColmapModel start =
+      PerturbColmapScene(MakeColmapScene({.cameras = {kSimpleRadial, kPinhole}}, 11), 12);
+  double free_cost = 0.0;
+  for (const int gauge : {0, 1, 2}) {
+    Problem problem;
+    const auto handles = AddToGraph(start, problem, {.fix_first_image = gauge == 2});
+    ASSERT_TRUE(handles.ok()) << handles.status().message();
+    SolveOptions options;
+    options.max_iterations = 200;
+    options.cost_tolerance = 1e-13;
+    if (gauge == 1) options.gauge = Gauge::Fixed{handles->images[0]};
+    const Pose before = problem.Get(handles->images[0]).pose;
+    const SolveSummary& summary = problem.Solve(options);
+    ASSERT_TRUE(summary.converged()) << summary.BriefReport();
+    if (gauge == 0) free_cost = summary.final_cost;
+    EXPECT_NEAR(summary.final_cost, free_cost, 1e-8 * free_cost) << gauge;
+    EXPECT_EQ(problem.Get(handles->images[0]).pose == before, gauge != 0);
+  }
+}
+
 TEST(ColmapToGraph, WhatIsSeenTooRarelyIsLeftOutAndSaid) {
   ColmapModel model = MakeColmapScene({.images = 4, .points = 20}, 5);
   const std::size_t before = model.points.size();
@@ -287,7 +308,10 @@ TEST(ColmapToGraph, Refusals) {
   ASSERT_TRUE(handles.ok()) << handles.status().message();
   EXPECT_FALSE(handles->cameras[2]);
 
-  // Handles of another graph or model.
+  // Handles of another graph or model; a model that was broken since.
+  ColmapModel broken = idle;
+  broken.points[3].track[0].image = 12345;
+  EXPECT_FALSE(UpdateFromGraph(problem, handles.value(), &broken).ok());
   ColmapModel other = MakeColmapScene({.images = 5}, 6), same = idle;
   EXPECT_EQ(UpdateFromGraph(problem, handles.value(), &other).code(), StatusCode::kInvalidArgument);
   Problem elsewhere;

@@ -66,7 +66,7 @@ struct ColmapHandles {
 
 /// Takes over poses, intrinsics and points from the graph, and computes the error of the points
 /// that take part. Refused, with the model unchanged: handles that the graph does not know, or that
-/// are of another model.
+/// are of another model, and a model that CheckColmap refuses.
 Status UpdateFromGraph(const Graph& graph, const ColmapHandles& handles, ColmapModel* model);
 
 }  // namespace glissade
