@@ -83,8 +83,8 @@ ProblemSize SizeOf(const Problem& problem) {
 
 std::string ToString(const ProblemSize& size) {
   const std::string images = size.images == 0 ? "" : fmt::format("{} images by ", size.images);
-  return fmt::format("{}{} cameras, {} points, {} observations", images, size.cameras, size.points,
-                     size.observations);
+  return fmt::format("{}{} camera{}, {} points, {} observations", images, size.cameras,
+                     size.cameras == 1 ? "" : "s", size.points, size.observations);
 }
 
 std::string WhyNotSolved(const SolveSummary& summary, const Problem& problem) {

@@ -41,7 +41,7 @@ struct ProblemSize {
   int cameras, points, observations;
 };
 ProblemSize SizeOf(const Problem& problem);
-/// "49 cameras, 7776 points, 31843 observations", or "49 images by 2 cameras, ...".
+/// "49 cameras, 7776 points, 31843 observations", or "49 images by 1 camera, ...".
 std::string ToString(const ProblemSize& size);
 
 /// Why a solve failed, in the words of the file.
