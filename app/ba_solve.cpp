@@ -31,15 +31,17 @@ constexpr const char* kName = "ba_solve";
 constexpr const char* kDescription =
     R"(Solves a bundle adjustment problem of the "Bundle Adjustment in the Large" collection
 (grail.cs.washington.edu/projects/bal): cameras with 9 parameters each (rotation,
-translation, focal length, two of distortion), points, and where the cameras saw them.)";
+translation, focal length, two of distortion), points, and where the cameras saw them.
+Or a COLMAP model, with the cameras that its images share.)";
 
 constexpr const char* kFooter =
     R"(FILE is text, compressed with gzip or bzip2 or not, or the binary form that is read four times as
-fast (.bbal). --city makes a problem in memory instead: streets, houses, and a car with cameras. The
-cost is 1/2 sum rho(|r|^2), r in pixels.
+fast (.bbal); a folder is a COLMAP model, binary or text. --city makes a problem in memory instead:
+streets, houses, and a car with cameras. The cost is 1/2 sum rho(|r|^2), r in pixels.
 
---output ends in .ply: points, coloured by their errors, and cameras, for MeshLab and others; else a
-BAL file, binary where it ends in .bbal.
+--output ends in .ply: points, coloured by their errors, and cameras, for MeshLab and others; of a
+COLMAP model, a folder for the model; else a BAL file, binary where it ends in .bbal, or where it is
+a folder or ends in '/' the problem as a COLMAP model.
 
 On a terminal a line under the table says how far a long solve is and how long it may take.
 
@@ -59,6 +61,7 @@ Examples:
   ba_solve problem.txt --compare-ceres                   the same with Ceres, side by side
   ba_solve problem.txt.gz --iterations 0 --output problem.bbal     once, to read it faster
   ba_solve --city 200 --seed 7 --output city.ply
+  ba_solve MODEL --loss huber:1 --output refined         a COLMAP model
 
 Ctrl-C ends the solve: the best solution so far is written like any other.
 
@@ -68,7 +71,7 @@ option makes no sense.)";
 struct Options {
   app::ProblemInput input;
   app::SolverOptions solver;
-  std::string output;
+  app::SolutionOutput output;
   std::string json;
   bool compare_ceres = false;
 };
@@ -82,8 +85,8 @@ void AddOptions(app::Program& program, Options& o) {
   app::AddIterations(cli, &o.solver);
   app::AddTolerance(cli, &o.solver);
   app::AddThreads(cli, &o.solver);
-  program.AddOutputFile("--output", &o.output,
-                        "Write the solution to FILE: .txt, .gz, .bz2, .bbal, or .ply");
+  program.AddOutputPath("--output", &o.output.path,
+                        "Write the solution to FILE: .txt, .gz, .bz2, .bbal, .ply, or a folder");
   program.AddOutput("--json", &o.json, "Write the figures of the solve to FILE");
   cli.add_flag("--compare-ceres", o.compare_ceres, "Solve with Ceres too, under the same limits");
 }
@@ -119,6 +122,7 @@ nlohmann::ordered_json ToJson(const app::ProblemSize& size, const SolveSummary& 
                {"method", o.solver.method},
                {"linear_solver", o.solver.linear_solver},
                {"threads", o.solver.solve.num_threads}});
+  if (size.images > 0) json["images"] = size.images;
   return json;
 }
 
@@ -139,9 +143,14 @@ app::Outcome Run(const Options& o) {
   const auto start = std::chrono::steady_clock::now();
   app::StatusLine status;
   Problem problem;
-  if (Status s = app::LoadProblem(o.input, o.solver.loss, &status, &problem); !s.ok()) {
+  std::optional<app::ColmapProblem> colmap;
+  if (Status s = app::LoadProblem(o.input, o.solver.loss, &status, &problem, &colmap); !s.ok()) {
     return app::BadInput(s);
   }
+  app::SolutionOutput output = o.output;
+  output.colmap_text = o.input.colmap.text;
+  const app::ColmapProblem* const model = colmap ? &*colmap : nullptr;
+  if (Status s = app::CheckSolutionOutput(output, model); !s.ok()) return app::BadInput(s);
   const app::ProblemSize size = app::SizeOf(problem);
   const std::chrono::duration<double> loaded = std::chrono::steady_clock::now() - start;
   std::optional<Graph> for_ceres;
@@ -154,9 +163,10 @@ app::Outcome Run(const Options& o) {
   solver.solve.callback = [&](const IterationSummary& it) {
     status.Clear();
     if (it.iteration == 0) {
-      app::Print("{}: {} cameras, {} points, {} observations, {} in {:.3f} s\n", o.input.Name(),
-                 size.cameras, size.points, size.observations, o.input.city == 0 ? "read" : "made",
-                 loaded.count());
+      app::Print("{}: {}, {} in {:.3f} s\n", o.input.Name(), app::ToString(size),
+                 o.input.city == 0 ? "read" : "made", loaded.count());
+      const std::string left_out = colmap ? app::WhatIsLeftOut(colmap->handles) : "";
+      if (!left_out.empty()) app::Print("{}\n", left_out);
       app::Print("{}\n", IterationTableHeader());
     }
     app::Print("{}\n", ToString(it));
@@ -180,8 +190,8 @@ app::Outcome Run(const Options& o) {
       summary.time.solve_s, summary.time.cost_s, summary.time.total_s, peak_rss_mb);
 
   // Ceres may not find a solution: ours is written before it is asked.
-  if (!o.output.empty()) {
-    const Status s = app::WriteSolution(problem, o.output, &status);
+  if (!output.path.empty()) {
+    const Status s = app::WriteSolution(problem, model, output, &status);
     status.Clear();
     if (!s.ok()) return app::Failed(s);
   }

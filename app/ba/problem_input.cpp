@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "common/options.h"
@@ -40,15 +42,29 @@ Status ProblemInput::Validate() const {
 }
 
 void AddProblemInput(CLI::App& cli, ProblemInput* input) {
-  cli.add_option("FILE", input->file, "BAL problem: .txt, .txt.gz, .txt.bz2, .bbal");
+  cli.add_option("FILE", input->file,
+                 "BAL problem: .txt, .txt.gz, .txt.bz2, .bbal; or the folder of a COLMAP model");
   CLI::Option* city = AddInteger(cli, "--city", &input->city, 20, 20000,
                                  "Instead of FILE: a simulated city seen by N cameras");
   AddSeed(cli, &input->seed, "Seed of the city (default 1)")->needs(city);
+  AddColmapChoices(cli, &input->colmap);
 }
 
 Status LoadProblem(const ProblemInput& input, const Loss& loss, StatusLine* status,
-                   Problem* problem) {
+                   Problem* problem, std::optional<ColmapProblem>* colmap) {
   status->ShowNow(input.city == 0 ? "reading " + input.file : "making a " + input.Name());
+  std::error_code error;
+  if (input.city == 0 && std::filesystem::is_directory(input.file, error)) {
+    auto loaded = LoadColmap(input.file, input.colmap, loss, problem);
+    status->Clear();
+    if (!loaded.ok()) return loaded.status();
+    *colmap = std::move(loaded).value();
+    return {};
+  }
+  if (input.colmap.fix_intrinsics || input.colmap.free_principal_point) {
+    return {StatusCode::kInvalidArgument,
+            "--fix-intrinsics and --principal-point are for COLMAP models"};
+  }
   auto bal = input.city == 0 ? ReadBal(input.file)
                              : sim::MakeCity({.num_cameras = input.city, .seed = input.seed});
   if (!bal.ok()) return bal.status();
@@ -59,8 +75,16 @@ Status LoadProblem(const ProblemInput& input, const Loss& loss, StatusLine* stat
 }
 
 ProblemSize SizeOf(const Problem& problem) {
-  return {problem.NumVertices<VertexCameraBal>(), problem.NumVertices<VertexPointXYZ>(),
-          problem.NumEdges<EdgeBal>()};
+  const int intrinsics =
+      problem.NumVertices<VertexVector<5>>() + problem.NumVertices<VertexVector<8>>();
+  return {problem.NumVertices<VertexPose>(), problem.NumVertices<VertexCameraBal>() + intrinsics,
+          problem.NumVertices<VertexPointXYZ>(), problem.NumEdges()};
+}
+
+std::string ToString(const ProblemSize& size) {
+  const std::string images = size.images == 0 ? "" : fmt::format("{} images by ", size.images);
+  return fmt::format("{}{} camera{}, {} points, {} observations", images, size.cameras,
+                     size.cameras == 1 ? "" : "s", size.points, size.observations);
 }
 
 std::string WhyNotSolved(const SolveSummary& summary, const Problem& problem) {

@@ -32,6 +32,22 @@ Status CheckWritable(const std::string& option, const std::string& path) {
   return {};
 }
 
+/// A name that ends in '/' is one also where nothing is there yet.
+bool IsFolder(const std::string& path) {
+  std::error_code error;
+  return path.ends_with('/') || fs::is_directory(path, error);
+}
+
+/// Whether files can be created in a folder, or the folder itself in the one above.
+Status CheckFolder(const std::string& option, const std::string& path) {
+  fs::path folder(path);
+  if (!folder.has_filename()) folder = folder.parent_path();
+  std::error_code error;
+  if (!fs::exists(folder, error)) folder = folder.parent_path();
+  if (folder.empty()) folder = ".";
+  return CheckWritable(option, (folder / ".glissade").string());
+}
+
 bool SameFile(const std::string& a, const std::string& b) {
   if (a == "-" || b == "-") return a == b;
   std::error_code error;
@@ -85,6 +101,12 @@ CLI::Option* Program::AddOutputFile(const std::string& name, std::string* path,
   return cli_.add_option(name, *path, help)->type_name("FILE");
 }
 
+CLI::Option* Program::AddOutputPath(const std::string& name, std::string* path,
+                                    const std::string& help) {
+  outputs_.push_back({name, path, false, true});
+  return cli_.add_option(name, *path, help)->type_name("PATH");
+}
+
 Status Program::CheckOutputs() const {
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     const Output& output = outputs_[i];
@@ -102,7 +124,10 @@ Status Program::CheckOutputs() const {
       if (!output.to_stdout) return refused("needs a file, not standard output (-)");
       continue;
     }
-    if (Status s = CheckWritable(output.option, *output.path); !s.ok()) return s;
+    const bool folder = output.may_be_folder && IsFolder(*output.path);
+    const Status s = folder ? CheckFolder(output.option, *output.path)
+                            : CheckWritable(output.option, *output.path);
+    if (!s.ok()) return s;
   }
   return {};
 }

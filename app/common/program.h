@@ -39,6 +39,8 @@ class Program {
   CLI::Option* AddOutput(const std::string& name, std::string* path, const std::string& help);
   /// The same, but not to standard output (what may be compressed).
   CLI::Option* AddOutputFile(const std::string& name, std::string* path, const std::string& help);
+  /// A file to write, or a folder.
+  CLI::Option* AddOutputPath(const std::string& name, std::string* path, const std::string& help);
 
   /// Parses, runs the work, and gives what main returns. Exceptions end here.
   int Run(int argc, char** argv, const std::function<Outcome()>& work);
@@ -55,6 +57,7 @@ class Program {
     std::string option;
     const std::string* path;
     bool to_stdout;
+    bool may_be_folder = false;
   };
   [[nodiscard]] Status CheckOutputs() const;
   int Say(const std::string& why, int exit_code) const;

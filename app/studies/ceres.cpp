@@ -32,7 +32,7 @@ ceres::LinearSolverType LinearSolverFor(const Graph& graph, LinearSolverType typ
       break;
   }
   // "Up to a hundred or so cameras" says its manual of the dense one.
-  const bool small = graph.NumVertices<VertexCameraBal>() <= 100;
+  const bool small = graph.NumVertices<VertexCameraBal>() + graph.NumVertices<VertexPose>() <= 100;
   return small ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
 }
 

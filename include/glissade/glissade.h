@@ -18,6 +18,7 @@
 #include "glissade/edges/reprojection.h"
 #include "glissade/edges/reprojection_calibration.h"
 #include "glissade/edges/reprojection_extrinsic.h"
+#include "glissade/edges/reprojection_intrinsics.h"
 #include "glissade/edges/reprojection_stereo.h"
 #include "glissade/edges/reprojection_stereo_same.h"
 #include "glissade/edges/reprojection_time_offset.h"

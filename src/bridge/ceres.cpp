@@ -64,8 +64,12 @@ void CeresProblem::Impl::CopyVertices() {
       vertex.ops = &pool->ops();
       vertex.fix = pool->fix(k);
       vertex.eliminated = pool->eliminated(k);
-      for (const FreeTangent& tangent : graph.free_tangents()) {
-        if (vertex.fix != Fix::kPositionAndYaw || tangent.vertex != vertex.vertex) continue;
+      const bool in_part = vertex.fix != Fix::kFree && vertex.fix != Fix::kWhole;
+      for (std::size_t t = 0; in_part && t < graph.free_tangents().size(); ++t) {
+        const FreeTangent& tangent = graph.free_tangents()[t];
+        if (tangent.vertex != vertex.vertex) continue;
+        vertex.held = tangent.held;
+        if (vertex.fix != Fix::kPositionAndYaw) continue;
         vertex.in_chart = true;
         vertex.chart = tangent;
         std::copy_n(pool->Data(k), 3, vertex.chart_position);
@@ -78,6 +82,16 @@ void CeresProblem::Impl::CopyVertices() {
   }
 }
 
+namespace {
+std::vector<int> NumbersOf(std::uint32_t held) {
+  std::vector<int> numbers;
+  for (int k = 0; k < 32; ++k) {
+    if ((held >> k & 1u) != 0) numbers.push_back(k);
+  }
+  return numbers;
+}
+}  // namespace
+
 void CeresProblem::Impl::AddParameterBlocks() {
   double* next = values.data();
   for (const ExportedVertex& vertex : vertices) {
@@ -86,6 +100,9 @@ void CeresProblem::Impl::AddParameterBlocks() {
       manifold = std::make_unique<RotationOnlyManifold>();
     } else if (vertex.fix == Fix::kBiases) {
       manifold = std::make_unique<ceres::SubsetManifold>(9, std::vector<int>{3, 4, 5, 6, 7, 8});
+    } else if (vertex.fix == Fix::kNumbers) {
+      manifold =
+          std::make_unique<ceres::SubsetManifold>(vertex.ops->ambient_dim, NumbersOf(vertex.held));
     } else if (!vertex.in_chart) {
       manifold = MakeManifold(*vertex.ops);
     }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "bridge/scratch.h"
@@ -29,6 +30,8 @@ int ExportedVertex::free_dim() const {
       return 3;
     case Fix::kPositionAndYaw:
       return 2;
+    case Fix::kNumbers:
+      return ops->tangent_dim - std::popcount(held);
     case Fix::kFree:
     case Fix::kCoordinate:  // only while a solve is under way
       break;

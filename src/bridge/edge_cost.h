@@ -5,6 +5,7 @@
 #include <ceres/cost_function.h>
 #include <ceres/loss_function.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "glissade/graph/edge_pool_base.h"
@@ -20,6 +21,7 @@ struct ExportedVertex {
   const VertexOps* ops = nullptr;
   Fix fix = Fix::kFree;
   bool eliminated = false;
+  std::uint32_t held = 0;  ///< numbers of Fix::kNumbers, by bit
   /// Where it differs from its state: the chart of Fix::kPositionAndYaw and the held position.
   bool in_chart = false;
   FreeTangent chart;

@@ -34,8 +34,8 @@ void GaugeBreaches::Gather(const EdgePoolBase& pool, int edge) {
     vertex.dim = vertices.ops().tangent_dim;
     vertex.moves = orbit_.Moves(vertices.HandleAt(index));
     const Fix fix = vertices.fix(index);
-    // Biases do not move with the gauge, so that holding them takes nothing from u.
-    vertex.free = fix == Fix::kFree || fix == Fix::kBiases;
+    // Biases and plain numbers do not move with the gauge: holding them takes nothing from u.
+    vertex.free = fix == Fix::kFree || fix == Fix::kBiases || fix == Fix::kNumbers;
     const double* state = point_.State(vertices, index);
     if (vertex.moves) {
       const double* gauge_state =

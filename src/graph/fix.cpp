@@ -3,6 +3,7 @@
 #include "glissade/graph/fix.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "glissade/base/matrix.h"
@@ -67,6 +68,17 @@ FreeTangent FreeTangent::OnPlane(AnyVertex vertex, const double* normal, const d
   return tangent;
 }
 
+FreeTangent FreeTangent::Numbers(AnyVertex vertex, int tangent_dim, std::uint32_t held) {
+  FreeTangent tangent;
+  tangent.vertex = vertex;
+  tangent.fix = Fix::kNumbers;
+  tangent.tangent_dim = tangent_dim;
+  tangent.free_dim = tangent_dim - std::popcount(held);
+  tangent.held = held;
+  tangent.UpdateBasis(nullptr);
+  return tangent;
+}
+
 void FreeTangent::UpdateBasis(const double* state) {
   std::fill(std::begin(basis), std::end(basis), 0.0);
   const auto at = [&](int row, int col) -> double& { return basis[row * free_dim + col]; };
@@ -78,6 +90,11 @@ void FreeTangent::UpdateBasis(const double* state) {
     case Fix::kBiases:
       for (int k = 0; k < 3; ++k)
         at(k, k) = 1.0;
+      return;
+    case Fix::kNumbers:
+      for (int k = 0, col = 0; k < tangent_dim; ++k) {
+        if ((held >> k & 1u) == 0) at(k, col++) = 1.0;
+      }
       return;
     case Fix::kCoordinate: {
       // n'(dp - R [l]x dtheta) = 0.
@@ -110,6 +127,12 @@ void FreeTangent::Plus(const double* d, double* state) {
   if (fix == Fix::kBiases) {
     for (int k = 0; k < 3; ++k)
       state[k] += d[k];
+    return;
+  }
+  if (fix == Fix::kNumbers) {
+    for (int k = 0, col = 0; k < tangent_dim; ++k) {
+      if ((held >> k & 1u) == 0) state[k] += d[col++];
+    }
     return;
   }
   Quaternion q(state + 3);

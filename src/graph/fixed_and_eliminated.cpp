@@ -9,21 +9,35 @@
 
 namespace glissade {
 
+namespace {
+
+/// Whether a vertex held so has a FreeTangent.
+bool IsPartial(Fix fix) {
+  return fix != Fix::kFree && fix != Fix::kWhole;
+}
+
+}  // namespace
+
 void Graph::DropFreeTangent(AnyVertex vertex) {
   std::erase_if(free_tangents_, [&](const FreeTangent& t) { return t.vertex == vertex; });
 }
 
 void Graph::Reanchor(AnyVertex vertex) {
   DropGaugeReference(vertex);
+  if (!IsPartial(GetFixed(vertex)) && !IsHolding()) return;
   for (FreeTangent& tangent : free_tangents_) {
-    if (tangent.vertex != vertex) continue;
-    const VertexSite site = Locate(vertex);
-    const double* state = site.pool->Data(site.index);
-    if (tangent.fix == Fix::kCoordinate) {
-      tangent.UpdateBasis(state);
-    } else {
-      tangent = FreeTangent::At(vertex, tangent.fix, state);
-    }
+    if (tangent.vertex == vertex) Reanchor(&tangent);
+  }
+}
+
+void Graph::Reanchor(FreeTangent* tangent) const {
+  if (tangent->fix == Fix::kNumbers) return;  // whatever the state
+  const VertexSite site = Locate(tangent->vertex);
+  const double* state = site.pool->Data(site.index);
+  if (tangent->fix == Fix::kCoordinate) {
+    tangent->UpdateBasis(state);
+  } else {
+    *tangent = FreeTangent::At(tangent->vertex, tangent->fix, state);
   }
 }
 
@@ -44,6 +58,8 @@ Status Graph::CheckFixed(const VertexSite& site, AnyVertex vertex, Fix fix) cons
               "SetFixed: only a VertexPose can be fixed in part, not " + ToString(vertex), vertex};
     case Fix::kCoordinate:
       return {StatusCode::kInvalidArgument, "SetFixed: kCoordinate is for gauges", vertex};
+    case Fix::kNumbers:
+      return {StatusCode::kInvalidArgument, "SetFixed: SetFixedNumbers says which", vertex};
   }
   return {StatusCode::kInvalidArgument,
           "SetFixed: " + std::to_string(static_cast<int>(fix)) + " is no Fix", vertex};
@@ -54,15 +70,54 @@ Status Graph::SetFixed(AnyVertex vertex, Fix fix) {
   if (Status status = CheckFixed(site, vertex, fix); !status.ok()) {
     return Refused(std::move(status));
   }
-  const bool partial = fix != Fix::kFree && fix != Fix::kWhole;
-  if (site.pool->fix(site.index) == fix && !partial) return {};
-  DropFreeTangent(vertex);
-  if (partial) {
-    free_tangents_.push_back(FreeTangent::At(vertex, fix, site.pool->Data(site.index)));
+  if (!IsPartial(fix)) {
+    SetFixedTo(site, vertex, fix, nullptr);
+  } else {
+    const FreeTangent tangent = FreeTangent::At(vertex, fix, site.pool->Data(site.index));
+    SetFixedTo(site, vertex, fix, &tangent);
   }
+  return {};
+}
+
+void Graph::SetFixedTo(const VertexSite& site, AnyVertex vertex, Fix fix,
+                       const FreeTangent* tangent) {
+  const Fix old = site.pool->fix(site.index);
+  if (old == fix && tangent == nullptr) return;
+  if (IsPartial(old) || IsHolding()) DropFreeTangent(vertex);
+  if (tangent != nullptr) free_tangents_.push_back(*tangent);
   site.pool->set_fix(site.index, fix);
   StructureChanged();
+}
+
+Status Graph::SetFixedNumbers(AnyVertex vertex, std::uint32_t held) {
+  const VertexSite site = Locate(vertex);
+  if (site.pool == nullptr) return Refused(UnknownHandle(vertex));
+  const VertexOps& ops = site.pool->ops();
+  const auto refuse = [&](const std::string& why) {
+    return Refused(
+        {StatusCode::kInvalidArgument, "SetFixedNumbers: " + ToString(vertex) + why, vertex});
+  };
+  if (!ops.additive || ops.tangent_dim > FreeTangent::kMaxTangentDim) {
+    return refuse(" is not additive, of up to 9 numbers");
+  }
+  if (site.pool->eliminated(site.index)) return refuse(" is eliminated");
+  const std::uint32_t all = (1u << ops.tangent_dim) - 1u;
+  if ((held & ~all) != 0) return refuse(" has fewer numbers");
+  if (held == 0 || held == all) {
+    SetFixedTo(site, vertex, held == 0 ? Fix::kFree : Fix::kWhole, nullptr);
+    return {};
+  }
+  const FreeTangent tangent = FreeTangent::Numbers(vertex, ops.tangent_dim, held);
+  SetFixedTo(site, vertex, Fix::kNumbers, &tangent);
   return {};
+}
+
+std::uint32_t Graph::FixedNumbers(AnyVertex vertex) const {
+  if (GetFixed(vertex) != Fix::kNumbers) return 0;
+  for (const FreeTangent& tangent : free_tangents_) {
+    if (tangent.vertex == vertex) return tangent.held;
+  }
+  return 0;
 }
 
 Fix Graph::GetFixed(AnyVertex vertex) const {
@@ -76,6 +131,10 @@ Status Graph::CheckEliminated(const VertexSite& site, AnyVertex vertex) const {
             "SetEliminated: " + ToString(vertex) + " has more than 4 tangent dimensions", vertex};
   }
   if (site.pool->eliminated(site.index)) return {};
+  if (IsPartial(site.pool->fix(site.index))) {
+    return {StatusCode::kInvalidArgument, "SetEliminated: " + ToString(vertex) + " is held in part",
+            vertex};
+  }
   for (const auto& pool : edge_pools_) {
     AnyEdge joins;
     AnyVertex other;

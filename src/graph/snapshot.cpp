@@ -121,7 +121,8 @@ Status Graph::RestoreSnapshot(const Snapshot& snapshot) {
   // Charts: those of the snapshot for vertices that are still held alike, fresh ones for the rest.
   // What follows from a chart (its basis, its dimensions) is computed, not believed.
   for (FreeTangent& tangent : free_tangents_) {
-    Reanchor(tangent.vertex);
+    DropGaugeReference(tangent.vertex);
+    Reanchor(&tangent);
     if (tangent.fix != Fix::kPositionAndYaw) continue;
     const VertexSite site = Locate(tangent.vertex);
     const double* pose = site.pool->Data(site.index);

@@ -5,6 +5,7 @@
 
 #include "glissade/base/index.h"
 #include "glissade/edges/bal.h"
+#include "glissade/edges/reprojection_intrinsics.h"
 #include "glissade/io/ply.h"
 
 namespace glissade {
@@ -42,6 +43,18 @@ CameraInSpace InSpace(const VertexCameraBal& camera) {
   return placed;
 }
 
+/// T_W_C.
+CameraInSpace InSpace(const VertexPose& camera) {
+  const Matrix3 R = camera.pose.R();
+  CameraInSpace placed{};
+  for (int row = 0; row < 3; ++row) {
+    for (int col = 0; col < 3; ++col)
+      placed.R[3 * row + col] = R(col, row);
+    placed.centre[row] = camera.pose.data[row];
+  }
+  return placed;
+}
+
 /// Half the median distance from one camera to the next; 1 where there is none.
 double FrustumSize(const std::vector<CameraInSpace>& cameras) {
   std::vector<double> steps;
@@ -56,42 +69,73 @@ double FrustumSize(const std::vector<CameraInSpace>& cameras) {
   return *middle > 0.0 ? 0.5 * *middle : 1.0;
 }
 
+/// Of each point, by its slot.
+class PointErrors {
+ public:
+  void Add(VertexHandle<VertexPointXYZ> point, const Vector2& r) {
+    if (point.slot >= errors_.size()) errors_.resize(2 * std::size_t{point.slot} + 1);
+    errors_[point.slot].sum2 += r[0] * r[0] + r[1] * r[1];
+    ++errors_[point.slot].count;
+  }
+  [[nodiscard]] PlyColor Color(VertexHandle<VertexPointXYZ> point) const {
+    const Error error = point.slot < errors_.size() ? errors_[point.slot] : Error{};
+    return error.count == 0 ? kUnseen : ColorOf(std::sqrt(error.sum2 / error.count));
+  }
+
+ private:
+  struct Error {
+    double sum2 = 0.0;
+    int count = 0;
+  };
+  std::vector<Error> errors_;
+};
+
+template <class E>
+void AddErrors(const Graph& graph, PointErrors* errors) {
+  graph.ForEachEdge<E>([&](EdgeHandle<E>, const E& edge, const EdgeVertexHandles<E>& vertices) {
+    const auto& [pose, point, intrinsics] = vertices;
+    Vector2 r;
+    if (edge.Evaluate(graph.Get(pose), graph.Get(point), graph.Get(intrinsics), r, nullptr, nullptr,
+                      nullptr)) {
+      errors->Add(point, r);
+    }
+  });
+}
+
 }  // namespace
 
 Result<PlyScene> PlyOfGraph(const Graph& graph) {
   if (graph.NumVertices<VertexCameraBal>() + graph.NumVertices<VertexPointXYZ>() == 0) {
     return Status(StatusCode::kInvalidArgument, "PLY: the graph has no BAL cameras and no points");
   }
-  // Of each point, by its slot.
-  struct Error {
-    double sum2 = 0.0;
-    int count = 0;
-  };
-  std::vector<Error> errors;
+  PointErrors errors;
   graph.ForEachEdge<EdgeBal>(
       [&](EdgeHandle<EdgeBal>, const EdgeBal& edge, const EdgeVertexHandles<EdgeBal>& vertices) {
         const auto& [camera, point] = vertices;
         Vector2 r;
-        if (!edge.Evaluate(graph.Get(camera), graph.Get(point), r, nullptr, nullptr)) return;
-        if (point.slot >= errors.size()) errors.resize(2 * std::size_t{point.slot} + 1);
-        errors[point.slot].sum2 += r[0] * r[0] + r[1] * r[1];
-        ++errors[point.slot].count;
+        if (edge.Evaluate(graph.Get(camera), graph.Get(point), r, nullptr, nullptr))
+          errors.Add(point, r);
       });
+  AddErrors<EdgeReprojectionRadial>(graph, &errors);
+  AddErrors<EdgeReprojectionRadtan>(graph, &errors);
+  AddErrors<EdgeReprojectionFisheye>(graph, &errors);
   PlyScene scene;
   graph.ForEachVertex<VertexPointXYZ>(
       [&](VertexHandle<VertexPointXYZ> handle, const VertexPointXYZ& point) {
-        const Error error = handle.slot < errors.size() ? errors[handle.slot] : Error{};
-        scene.AddPoint(point.data,
-                       error.count == 0 ? kUnseen : ColorOf(std::sqrt(error.sum2 / error.count)));
+        scene.AddPoint(point.data, errors.Color(handle));
       });
   std::vector<CameraInSpace> cameras;
   graph.ForEachVertex<VertexCameraBal>(
       [&](VertexHandle<VertexCameraBal>, const VertexCameraBal& camera) {
         cameras.push_back(InSpace(camera));
       });
+  const std::size_t looking_back = cameras.size();
+  graph.ForEachVertex<VertexPose>([&](VertexHandle<VertexPose>, const VertexPose& camera) {
+    cameras.push_back(InSpace(camera));
+  });
   const double size = FrustumSize(cameras);
-  for (const CameraInSpace& camera : cameras)
-    scene.AddCamera(camera.R, camera.centre, size, true, kCameraColor);
+  for (std::size_t k = 0; k < cameras.size(); ++k)
+    scene.AddCamera(cameras[k].R, cameras[k].centre, size, k < looking_back, kCameraColor);
   return scene;
 }
 

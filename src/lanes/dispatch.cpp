@@ -4,6 +4,7 @@
 #include "glissade/edges/reprojection.h"
 #include "glissade/edges/reprojection_calibration.h"
 #include "glissade/edges/reprojection_extrinsic.h"
+#include "glissade/edges/reprojection_intrinsics.h"
 #include "glissade/edges/reprojection_stereo.h"
 #include "glissade/edges/reprojection_stereo_same.h"
 #include "glissade/edges/reprojection_time_offset.h"
@@ -44,6 +45,9 @@ EvaluateLanes EvaluatorOf(const TypeInfo* type) {
       {&kTypeInfo<EdgeReprojectionExtrinsic>, table.extrinsic},
       {&kTypeInfo<EdgeReprojectionTimeOffset>, table.time_offset},
       {&kTypeInfo<EdgeReprojectionCalibration>, table.calibration},
+      {&kTypeInfo<EdgeReprojectionRadial>, table.radial},
+      {&kTypeInfo<EdgeReprojectionRadtan>, table.radtan},
+      {&kTypeInfo<EdgeReprojectionFisheye>, table.fisheye},
   };
   for (const auto& entry : all) {
     if (entry.type == type) return entry.evaluate;

@@ -19,6 +19,9 @@ struct Evaluators {
   EvaluateLanes bal;
   EvaluateLanes calibration;
   EvaluateLanes extrinsic;
+  EvaluateLanes fisheye;
+  EvaluateLanes radial;
+  EvaluateLanes radtan;
   EvaluateLanes reprojection;
   EvaluateLanes stereo;
   EvaluateLanes stereo_same;

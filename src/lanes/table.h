@@ -10,6 +10,7 @@
 #include "glissade/edges/reprojection.h"
 #include "glissade/edges/reprojection_calibration.h"
 #include "glissade/edges/reprojection_extrinsic.h"
+#include "glissade/edges/reprojection_intrinsics.h"
 #include "glissade/edges/reprojection_stereo.h"
 #include "glissade/edges/reprojection_stereo_same.h"
 #include "glissade/edges/reprojection_time_offset.h"
@@ -33,6 +34,9 @@ const Evaluators GLISSADE_LANES_TABLE = {
     .bal = kEvaluate<EdgeBal>,
     .calibration = kEvaluate<EdgeReprojectionCalibration>,
     .extrinsic = kEvaluate<EdgeReprojectionExtrinsic>,
+    .fisheye = kEvaluate<EdgeReprojectionFisheye>,
+    .radial = kEvaluate<EdgeReprojectionRadial>,
+    .radtan = kEvaluate<EdgeReprojectionRadtan>,
     .reprojection = kEvaluate<EdgeReprojection>,
     .stereo = kEvaluate<EdgeReprojectionStereo>,
     .stereo_same = kEvaluate<EdgeReprojectionStereoSame>,

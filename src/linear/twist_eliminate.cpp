@@ -89,7 +89,7 @@ void TwistTerms::ProjectMaps(const Structure& structure, const Graph& graph) {
   projected_maps_ = maps_;
   for (std::size_t k = 0; k < maps_.size(); ++k) {
     const PoseBlock& pose = structure.poses()[k];
-    if (pose.free_tangent < 0) continue;
+    if (pose.free_tangent < 0 || pose.dim != 6) continue;  // twists are of poses
     const FreeTangent& tangent = graph.free_tangents()[Index(pose.free_tangent)];
     double* T = projected_maps_[k].T;
     for (int r = 0; r < 6; ++r) {

@@ -21,5 +21,7 @@ template struct internal::VertexOpsOf<VertexVector<1>>;
 template struct internal::VertexOpsOf<VertexVector<2>>;
 template struct internal::VertexOpsOf<VertexVector<3>>;
 template struct internal::VertexOpsOf<VertexVector<4>>;
+template struct internal::VertexOpsOf<VertexVector<5>>;
+template struct internal::VertexOpsOf<VertexVector<8>>;
 
 }  // namespace glissade

@@ -229,9 +229,9 @@ void ApiWalk::SetSomeValue() {
 
 void ApiWalk::SetFixed() {
   constexpr Fix kFixes[] = {Fix::kFree,   Fix::kWhole,      Fix::kPosition, Fix::kPositionAndYaw,
-                            Fix::kBiases, Fix::kCoordinate, Fix(99)};
+                            Fix::kBiases, Fix::kCoordinate, Fix::kNumbers,  Fix(99)};
   const AnyVertex vertex = PickVertex();
-  const Fix fix = kFixes[random_.Int(7)];
+  const Fix fix = kFixes[random_.Int(8)];
   log_.push_back("SetFixed " + ToString(vertex) + " " + std::to_string(static_cast<int>(fix)));
   const bool fits = fix == Fix::kFree || fix == Fix::kWhole ||
                     (fix == Fix::kBiases && vertex.type == &kTypeInfo<VertexSpeedBias>) ||

@@ -189,6 +189,70 @@ class BaSolve(AppTest):
         self.assertEqual(list(struct.unpack("=75d", data[48:48 + 8 * 75])), vertices)
         self.assertEqual([x for o in struct.iter_unpack("=2i2d", data[48 + 8 * 75:]) for x in o], observations)
 
+    def test_colmap(self):
+        """A BAL problem as a COLMAP model, solved from there; in binary and in text."""
+        text, cost = make_bal()
+        path = self.write("a.txt", text)
+        best = self.run_json(path, "--tolerance", "1e-12")["final_cost"]
+        self.run_ok(path, "--iterations", 0, "--output", "binary/")
+        self.run_ok(path, "--iterations", 0, "--output", "text/", "--colmap-text")
+        for folder, ending in (("binary", ".bin"), ("text", ".txt")):
+            self.assertEqual(sorted(p.name for p in (self.folder / folder).iterdir()),
+                             sorted(name + ending for name in ("cameras", "images", "points3D")))
+            result = self.run_json(folder, "--tolerance", "1e-12", "--output", f"{folder}_out")
+            self.check_schema(result, "images")
+            self.assertEqual([result[k] for k in ("images", "cameras", "points", "observations")], [5, 5, 60, 300])
+            self.assertAlmostEqual(result["initial_cost"] / cost, 1.0, places=9)
+            self.assertAlmostEqual(result["final_cost"] / best, 1.0, places=6)
+            # As it came, and where the solve ended.
+            self.assertTrue((self.folder / f"{folder}_out" / f"images{ending}").is_file())
+            again = self.run_json(f"{folder}_out", "--iterations", 0)
+            self.assertAlmostEqual(again["initial_cost"] / result["final_cost"], 1.0, places=9)
+            # Errors are those of the solution.
+            lines = [] if ending == ".bin" else (self.folder / "text_out" / "points3D.txt").read_text(
+                encoding="utf-8").splitlines()
+            errors = [float(line.split()[7]) for line in lines if not line.startswith("#")]
+            self.assertTrue(all(0 < e < 2 for e in errors), errors)
+        self.run_ok("binary", "--iterations", 3, "--output", "as_text", "--colmap-text")
+        self.assertTrue((self.folder / "as_text" / "images.txt").is_file())
+        self.run_ok("binary", "--iterations", 3, "--output", "a.ply")
+        head = (self.folder / "a.ply").read_bytes().split(b"end_header\n", 1)[0]
+        self.assertIn(b"element vertex %d\nproperty" % (60 + 5 * 5), head)
+        out = self.run_ok("text", "--iterations", 1)
+        self.assertIn("text: 5 images by 5 cameras, 60 points, 300 observations, read in", out)
+
+    def test_colmap_choices(self):
+        self.run_ok(self.write("a.txt", make_bal()[0]), "--iterations", 0, "--output", "model/")
+        costs = [self.run_json("model", *args)["final_cost"]
+                 for args in (("--fix-intrinsics",), (), ("--principal-point",))]
+        self.assertEqual(costs, sorted(costs, reverse=True))
+        self.assertEqual(len(set(costs)), 3)
+        both = self.run_json("model", "--fix-intrinsics", "--tolerance", "1e-12", "--threads", 2)
+        self.assertAlmostEqual(both["final_cost"] / costs[0], 1, places=5)
+
+    def test_refuses_colmap(self):
+        path = self.write("a.txt", make_bal(num_points=10)[0])
+        self.run_ok(path, "--iterations", 0, "--output", "model/")
+        self.run_ok(path, "--iterations", 0, "--output", "text/", "--colmap-text")
+        self.write("file", "")
+        (self.folder / "empty").mkdir()
+        points = self.folder / "text" / "points3D.txt"
+        points.write_text(points.read_text(encoding="utf-8").replace(" 0\n", " 9\n", 1), encoding="utf-8")
+        for args, says in ((("empty",), "empty: no COLMAP model"),
+                           (("text",), "text/points3D.txt:"),
+                           (("model", "--output", "a.bbal"), "--output: a.bbal"),
+                           (("model", "--output", "file"), "--output: file"),
+                           (("model", "--output", "model", "--colmap-text"), "binary model"),
+                           (("model", "--output", "no/such/folder"), "--output"),
+                           (("model", "--output", "no/such/folder/"), "--output"),
+                           (("model", "--principal-point", "--fix-intrinsics"), "--principal-point"),
+                           ((path, "--fix-intrinsics"), "--fix-intrinsics")):
+            with self.subTest(args=args):
+                result = self.run_app(*args)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertIn(says, result.stderr)
+                self.assertEqual(result.stderr.count("\n"), 1)
+
     def test_progress_on_a_terminal(self):
         """A line that is written over, with time left, and gone at the end."""
         import os
@@ -350,7 +414,7 @@ class BaSolve(AppTest):
     def test_help(self):
         self.check_help("--method", "FILE", "--linear-solver", "--iterations", "--threads", "--loss",
                         "--tolerance", "--output", "--json", "--compare-ceres", "--city", "--seed", ".ply",
-                        ".bbal")
+                        ".bbal", "COLMAP", "--principal-point", "--fix-intrinsics", "--colmap-text")
 
 
 if __name__ == "__main__":

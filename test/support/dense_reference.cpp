@@ -29,6 +29,16 @@ Eigen::MatrixXd FreeBasis(const Graph& graph, const VertexPoolBase& pool, int in
       return Eigen::MatrixXd::Identity(6, 6).rightCols(3);
     case Fix::kBiases:
       return Eigen::MatrixXd::Identity(9, 9).leftCols(3);
+    case Fix::kNumbers: {
+      const std::uint32_t held = graph.FixedNumbers(pool.HandleAt(index));
+      Eigen::MatrixXd basis(dim, 0);
+      for (int k = 0; k < dim; ++k) {
+        if ((held >> k & 1u) != 0) continue;
+        basis.conservativeResize(dim, basis.cols() + 1);
+        basis.col(basis.cols() - 1) = Eigen::VectorXd::Unit(dim, k);
+      }
+      return basis;
+    }
     case Fix::kPositionAndYaw:
     case Fix::kCoordinate:
       break;

@@ -32,6 +32,7 @@ namespace glissade::bridge {
 /// - the ambient state with the vertex type's manifold (none for additive types);
 /// - Fix::kWhole: the same, constant;
 /// - Fix::kPosition, Fix::kBiases: the vertex with a manifold of three dimensions;
+/// - Fix::kNumbers: the vertex with a manifold of those that are free;
 /// - Fix::kPositionAndYaw: two numbers, dphi_x and dphi_y of the chart in graph/fix.h, additive.
 /// So Ceres's tangent is glissade's free tangent, number by number.
 class CeresProblem {

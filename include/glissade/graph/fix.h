@@ -16,6 +16,7 @@ enum class Fix : std::uint8_t {
   kPositionAndYaw,  ///< position of a pose and its rotation about world z, in the chart below
   kBiases,          ///< both biases of a VertexSpeedBias; its velocity stays free
   kCoordinate,      ///< one coordinate of a camera centre; for gauges (gauge/gauge.h), not SetFixed
+  kNumbers,         ///< some numbers of an additive vertex: Graph::SetFixedNumbers
 };
 
 /// The free tangent of a partly fixed vertex: tangent = basis * d, d of free_dim numbers.
@@ -28,15 +29,18 @@ enum class Fix : std::uint8_t {
 /// dtheta instead (no coordinate of which is yaw) drifts by 1e-3 to 1e-2 rad at the same cost.
 /// kCoordinate: n'(p + R l) is held, n a unit vector in the world and l the camera centre in the
 /// body; two coordinates of p and the rotation are free, and p moves along n as R turns l.
+/// kNumbers: the basis picks those that are not in `held`.
 struct FreeTangent {
   static constexpr int kMaxTangentDim = 9;
+  static constexpr int kMaxFreeDim = 8;
 
   AnyVertex vertex;
   Fix fix = Fix::kPosition;
   int tangent_dim = 6;
   int free_dim = 3;
-  double basis[kMaxTangentDim * 5] = {};  ///< row-major, tangent_dim x free_dim
-  double q0[4] = {0, 0, 0, 1};            ///< R0, quaternion x y z w
+  std::uint32_t held = 0;                           ///< of kNumbers: bit k for number k
+  double basis[kMaxTangentDim * kMaxFreeDim] = {};  ///< row-major, tangent_dim x free_dim
+  double q0[4] = {0, 0, 0, 1};                      ///< R0, quaternion x y z w
   double dphi[3] = {0, 0, 0};
   double normal[3] = {0, 0, 1}, lever[3] = {0, 0, 0};  ///< n and l of kCoordinate
 
@@ -47,6 +51,8 @@ struct FreeTangent {
   /// kCoordinate.
   static FreeTangent OnPlane(AnyVertex vertex, const double* normal, const double* lever,
                              const double* pose);
+  /// kNumbers: some of `tangent_dim` numbers, at least one and not all.
+  static FreeTangent Numbers(AnyVertex vertex, int tangent_dim, std::uint32_t held);
   /// Recomputes the basis for the present dphi and state.
   void UpdateBasis(const double* state);
   /// state <- state moved by d (free_dim numbers), in the chart.

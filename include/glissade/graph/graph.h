@@ -129,6 +129,13 @@ class Graph {
   // --- What is held, what is eliminated -----------------------------------------------------
   /// Holds a vertex, or part of a pose, at its present value; Fix::kFree lets it go.
   Status SetFixed(AnyVertex vertex, Fix fix = Fix::kWhole);
+  /// Holds some numbers of an additive vertex (VertexVector, VertexCameraBal, ...) of up to 9 of
+  /// them: the principal point of intrinsics, say. Bit k of `held` is number k; none of them is
+  /// Fix::kFree, all are Fix::kWhole, some Fix::kNumbers. Refuses what is eliminated: a landmark is
+  /// held as a whole.
+  Status SetFixedNumbers(AnyVertex vertex, std::uint32_t held);
+  /// Bit k for number k; 0 unless the vertex is held in part (Fix::kNumbers).
+  [[nodiscard]] std::uint32_t FixedNumbers(AnyVertex vertex) const;
   /// kFree for a dead handle.
   [[nodiscard]] Fix GetFixed(AnyVertex vertex) const;
   /// Whether a vertex is eliminated by the Schur complement; default: what its type says. Only
@@ -299,6 +306,8 @@ class Graph {
   void RestoreFirstEstimates(const Snapshot& snapshot);
   void DropGaugeReference(AnyVertex vertex);
   void Reanchor(AnyVertex vertex);
+  void Reanchor(FreeTangent* tangent) const;
+  void SetFixedTo(const VertexSite& site, AnyVertex vertex, Fix fix, const FreeTangent* tangent);
   /// Vertices of one type on their way into the graph, as all that is not a template sees them.
   struct NewVertices {
     const VertexOps* ops;

@@ -44,7 +44,8 @@ struct PlyScene {
                  PlyColor color);
 };
 
-/// The BAL cameras and points of a graph. A point is blue where its reprojection errors are small,
+/// The cameras and points of a graph: of a BAL problem, or of a COLMAP model, whose cameras are the
+/// poses. A point is blue where its reprojection errors are small,
 /// green at 1 px, red from 4 px on (rms over its observations; grey where it has none). Cameras are
 /// orange, half as large as the median distance from one to the next. Refuses a graph with neither.
 [[nodiscard]] Result<PlyScene> PlyOfGraph(const Graph& graph);

@@ -36,5 +36,7 @@ extern template struct internal::VertexOpsOf<VertexVector<1>>;
 extern template struct internal::VertexOpsOf<VertexVector<2>>;
 extern template struct internal::VertexOpsOf<VertexVector<3>>;
 extern template struct internal::VertexOpsOf<VertexVector<4>>;
+extern template struct internal::VertexOpsOf<VertexVector<5>>;
+extern template struct internal::VertexOpsOf<VertexVector<8>>;
 
 }  // namespace glissade
