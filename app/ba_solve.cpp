@@ -61,6 +61,7 @@ Examples:
   ba_solve problem.txt --compare-ceres                   the same with Ceres, side by side
   ba_solve problem.txt.gz --iterations 0 --output problem.bbal     once, to read it faster
   ba_solve --city 200 --seed 7 --output city.ply
+  ba_solve --city 5000 --memory-limit 2G --threads 2
   ba_solve MODEL --loss huber:1 --output refined         a COLMAP model
 
 Ctrl-C ends the solve: the best solution so far is written like any other.
@@ -81,6 +82,9 @@ void AddOptions(app::Program& program, Options& o) {
   app::AddProblemInput(cli, &o.input);
   app::AddMethod(cli, &o.solver);
   app::AddLinearSolver(cli, &o.solver);
+  o.solver.solve.pcg.forcing = 0.1;
+  app::AddPcg(cli, &o.solver);
+  app::AddMemoryLimit(cli, &o.solver);
   app::AddLoss(cli, &o.solver, "px");
   app::AddIterations(cli, &o.solver);
   app::AddTolerance(cli, &o.solver);
@@ -121,6 +125,7 @@ nlohmann::ordered_json ToJson(const app::ProblemSize& size, const SolveSummary& 
                {"peak_rss_mb", peak_rss_mb},
                {"method", o.solver.method},
                {"linear_solver", o.solver.linear_solver},
+               {"reduced_solver", summary.reduced.name},
                {"threads", o.solver.solve.num_threads}});
   if (size.images > 0) json["images"] = size.images;
   return json;
@@ -183,6 +188,9 @@ app::Outcome Run(const Options& o) {
   }
   const double peak_rss_mb = PeakMemoryMb();
   app::Print("{}\n", summary.BriefReport());
+  const ReducedSolver& reduced = summary.reduced;
+  app::Print("reduced system: {} scalars, {:.3g} % of its blocks, solved by {}: {}\n",
+             reduced.scalars, 100.0 * reduced.density, reduced.name, reduced.reason);
   app::Print(
       "seconds: analyze {:.3f}, linearize {:.3f}, eliminate {:.3f}, solve {:.3f}, cost "
       "{:.3f}, total {:.3f}; peak memory {:.1f} MB\n",

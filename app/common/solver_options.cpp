@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <string_view>
 
 #include "common/interrupt.h"
@@ -50,6 +51,10 @@ SolveOptions SolverOptions::Chosen() const {
                               : linear_solver == "pcg"          ? LinearSolverType::kPcg
                               : linear_solver == "implicit-pcg" ? LinearSolverType::kImplicitPcg
                                                                 : LinearSolverType::kAuto;
+  chosen.pcg.preconditioner = preconditioner == "jacobi"           ? Preconditioner::kJacobi
+                              : preconditioner == "cluster-jacobi" ? Preconditioner::kClusterJacobi
+                              : preconditioner == "power-series"   ? Preconditioner::kPowerSeries
+                                                                   : Preconditioner::kBlockJacobi;
   StopWhenInterrupted(&chosen);
   return chosen;
 }
@@ -76,9 +81,53 @@ void AddMethod(CLI::App& cli, SolverOptions* options, bool with_course) {
 void AddLinearSolver(CLI::App& cli, SolverOptions* options) {
   AddChoice(cli, "--linear-solver", &options->linear_solver,
             {"auto", "dense", "sparse", "pcg", "implicit-pcg"},
-            "Of the reduced system: 'auto' (default), dense or sparse, whichever has less to do; "
-            "'dense' or 'sparse' Cholesky; 'pcg', conjugate gradients with block-Jacobi "
-            "preconditioner; 'implicit-pcg', the same without forming the system");
+            "Of the reduced system: 'auto' (default), what has least to do; 'dense' or 'sparse' "
+            "Cholesky; 'pcg', conjugate gradients; 'implicit-pcg', the same without forming the "
+            "system, with the least memory");
+}
+
+void AddPcg(CLI::App& cli, SolverOptions* options) {
+  AddChoice(cli, "--preconditioner", &options->preconditioner,
+            {"jacobi", "block-jacobi", "cluster-jacobi", "power-series"},
+            "Of conjugate gradients: 'jacobi'; 'block-jacobi' (default), a block a camera; "
+            "'cluster-jacobi', a block for up to 16 cameras that see the same points; "
+            "'power-series', the first terms of the inverse");
+  const std::string name = "--forcing";
+  cli.add_option_function<std::string>(
+         name,
+         [=](const std::string& text) {
+           const Result<double> number = ParseNumber(name, text, 0.0, 0.999);
+           if (!number.ok()) RefuseOption(number.status().message());
+           options->solve.pcg.forcing = *number;
+         },
+         fmt::format("Conjugate gradients stop where an iteration gains less than X of what was "
+                     "gained so far (default {:g}). 0: go on to a residual of 1e-10",
+                     options->solve.pcg.forcing))
+      ->type_name("X");
+}
+
+void AddMemoryLimit(CLI::App& cli, SolverOptions* options) {
+  const std::string name = "--memory-limit";
+  cli.add_option_function<std::string>(
+         name,
+         [=](const std::string& text) {
+           constexpr std::string_view kUnits = "kMG";
+           double unit = 1e6;
+           std::string digits = text;
+           if (!digits.empty()) {
+             const std::size_t found = kUnits.find(digits.back());
+             if (found != std::string_view::npos) {
+               unit = found == 0 ? 1e3 : found == 1 ? 1e6 : 1e9;
+               digits.pop_back();
+             }
+           }
+           const Result<double> number = ParseNumber(name, digits, 0.0, 1e6);
+           if (!number.ok()) RefuseOption(number.status().message());
+           options->solve.memory_limit = static_cast<std::int64_t>(*number * unit);
+         },
+         "Refuse, or take another solver, before problem and solve need more than SIZE: 800M, 2G; "
+         "megabytes without a unit (default 0: no limit)")
+      ->type_name("SIZE");
 }
 
 void AddIterations(CLI::App& cli, SolverOptions* options) {

@@ -19,6 +19,7 @@ struct SolverOptions {
   SolveOptions solve;
   std::string method = "lm";
   std::string linear_solver = "auto";
+  std::string preconditioner = "block-jacobi";
   Loss loss;
   Gauge::Kind gauge = Gauge::Kind::kFree;
   double gauge_weight = 0.0;  ///< of kPrior (1/m^2 and 1/rad^2)
@@ -33,6 +34,10 @@ struct SolverOptions {
 void AddMethod(CLI::App& cli, SolverOptions* options, bool with_course = false);
 /// --linear-solver auto|dense|sparse|pcg|implicit-pcg
 void AddLinearSolver(CLI::App& cli, SolverOptions* options);
+/// --preconditioner jacobi|block-jacobi|cluster-jacobi|power-series, --forcing X: of pcg
+void AddPcg(CLI::App& cli, SolverOptions* options);
+/// --memory-limit SIZE
+void AddMemoryLimit(CLI::App& cli, SolverOptions* options);
 /// --iterations N
 void AddIterations(CLI::App& cli, SolverOptions* options);
 /// --tolerance X: of the cost; 0 switches all stopping rules off.

@@ -148,13 +148,13 @@ void NormalEquations::FillPanel(const Structure& structure, const DampingTerm& d
 // order whatever the columns, so that cutting the work differently changes no bit. One thread takes
 // a batch while its Z is in the cache.
 int NormalEquations::ReduceLandmarks(const Structure& structure, const DampingTerm& damping,
-                                     const std::vector<std::int32_t>& cuts, ThreadPool* threads) {
+                                     ThreadPool* threads) {
   constexpr std::size_t kPanels = 64;
   const SchurBatches& batches = schur_->batches();
-  const int num_tasks = static_cast<int>(cuts.size()) - 1;
-  const std::size_t at_once =
-      std::min(batches.size(), threads->num_threads() == 1 ? std::size_t{1} : kPanels);
+  const bool alone = threads->num_threads() == 1;
+  const std::size_t at_once = std::min(batches.size(), alone ? std::size_t{1} : kPanels);
   if (panels_.size() < at_once) panels_.resize(at_once);
+  const auto all = static_cast<std::int32_t>(structure.poses().size());
   for (std::size_t first = 0; first < batches.size(); first += at_once) {
     const std::size_t count = std::min(at_once, batches.size() - first);
     threads->Run(static_cast<int>(count), [&](int k) {
@@ -163,17 +163,25 @@ int NormalEquations::ReduceLandmarks(const Structure& structure, const DampingTe
     for (std::size_t k = 0; k < count; ++k) {
       if (panels_[k].failed_landmark >= 0) return panels_[k].failed_landmark;
     }
-    threads->Run(num_tasks, [&](int task) {
+    const auto reduce = [&](std::int32_t begin, std::int32_t end) {
       for (std::size_t k = 0; k < count; ++k) {
         const Panel& panel = panels_[k];
         const kernels::SchurPanel view =
             batches.Panel(first + k, panel.z.data(), panel.beta.data());
-        const auto [begin, end] =
-            batches.Blocks(first + k, cuts[Index(task)], cuts[Index(task) + 1]);
-        kernels::Kernels().schur_blocks(&view, end - begin, begin, schur_->data(),
+        const auto [from, to] = batches.Blocks(first + k, begin, end);
+        kernels::Kernels().schur_blocks(&view, to - from, from, schur_->data(),
                                         schur_->rhs().data());
       }
-    });
+    };
+    if (alone) {
+      reduce(0, all);
+      continue;
+    }
+    // Landmarks that come one after the other are seen by the same few vertices: the columns are
+    // cut anew for each set of batches.
+    batches.CutColumns(first, count, all, kTasksPerThread * threads->num_threads(), &batch_cuts_);
+    threads->Run(static_cast<int>(batch_cuts_.size()) - 1,
+                 [&](int task) { reduce(batch_cuts_[Index(task)], batch_cuts_[Index(task) + 1]); });
   }
   return -1;
 }
@@ -217,7 +225,7 @@ StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& 
   threads->Run(static_cast<int>(cuts.size()) - 1, [&](int task) {
     StartColumns(structure, damping, cuts[Index(task)], cuts[Index(task) + 1]);
   });
-  if (const int failed = ReduceLandmarks(structure, damping, cuts, threads); failed >= 0) {
+  if (const int failed = ReduceLandmarks(structure, damping, threads); failed >= 0) {
     const LandmarkBlock& landmark = structure.landmarks()[Index(failed)];
     return CannotEliminate(graph.vertex_pools()[Index(landmark.pool)]->HandleAt(landmark.index));
   }

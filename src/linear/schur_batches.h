@@ -40,6 +40,10 @@ class SchurBatches {
   /// The blocks of a batch in block columns [begin, end).
   [[nodiscard]] std::pair<const kernels::SchurBlock*, const kernels::SchurBlock*> Blocks(
       std::size_t k, std::int32_t begin, std::int32_t end) const;
+  /// Cuts the block columns that `count` batches from `first` on add to into about `parts` ranges
+  /// of about equal work, which cover [0, num_columns): range k is [cuts[k], cuts[k + 1]).
+  void CutColumns(std::size_t first, std::size_t count, std::int32_t num_columns, int parts,
+                  std::vector<std::int32_t>* cuts) const;
   [[nodiscard]] kernels::SchurPanel Panel(std::size_t k, const double* z, const double* beta) const;
 
  private:
@@ -59,6 +63,7 @@ class SchurBatches {
   std::vector<kernels::SchurBlock> blocks_;
   std::vector<kernels::SlotPair> pairs_;
   std::size_t max_z_size_ = 0, max_beta_size_ = 0;
+  mutable std::vector<std::int64_t> work_;
   // Scratch.
   std::vector<std::int32_t> vertices_;  // of the batch, ascending
   std::vector<std::int32_t> local_;     // by vertex: its number among them

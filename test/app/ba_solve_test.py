@@ -7,12 +7,14 @@ import bz2
 import gzip
 import math
 import random
+import resource
 import struct
+import subprocess
 
-from app_test_util import HEADER, ROOT, AppTest, data_folder, main
+from app_test_util import HEADER, ROOT, AppTest, data_folder, main, strict_json, without_sanitizers
 
 KEYS = HEADER | {"cameras", "points", "observations", "initial_cost", "final_cost", "iterations", "status",
-        "time_s", "peak_rss_mb", "method", "linear_solver", "threads"}
+        "time_s", "peak_rss_mb", "method", "linear_solver", "reduced_solver", "threads"}
 
 
 def rotate(w, x):
@@ -407,6 +409,55 @@ class BaSolve(AppTest):
         again = self.run_json("b.bbal", "--iterations", 0)
         self.assertEqual(again["initial_cost"], result["final_cost"])
         self.assertLessEqual(result["final_cost"], result["initial_cost"])
+
+    def test_solvers_of_large_problems(self):
+        costs = []
+        for args in (["--linear-solver", "sparse"], ["--linear-solver", "pcg", "--forcing", 0],
+                     ["--linear-solver", "pcg", "--preconditioner", "cluster-jacobi"],
+                     ["--linear-solver", "implicit-pcg", "--preconditioner", "power-series"]):
+            result = self.run_app("--city", 30, "--json", "out.json", *args)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            report = strict_json((self.folder / "out.json").read_text())
+            self.assertEqual(report["reduced_solver"], args[1])
+            costs.append(report["final_cost"])
+        for cost in costs:
+            self.assertAlmostEqual(cost / costs[0], 1.0, delta=1e-6)
+
+    def test_memory_limit(self):
+        result = self.run_app("--city", 60, "--memory-limit", "1M")
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"needs \d+ MB.*memory_limit is 1 MB")
+        result = self.run_app("--city", 60, "--iterations", 1, "--memory-limit", "2G")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for wrong in ("", "-1", "x", "1T", "nan", "G"):
+            result = self.run_app("--city", 60, "--memory-limit", wrong)
+            self.assertEqual(result.returncode, 2, wrong)
+            self.assertIn("--memory-limit", result.stderr)
+
+    # Whatever the address space that the system gives: a solution, or one line that says why not.
+    @without_sanitizers
+    def test_little_memory(self):
+        codes = set()
+        for step in range(20):
+            limit = int(12e6 * 1.2 ** step)
+
+            def limited(limit=limit):
+                resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+
+            result = subprocess.run(
+                [str(self.folder_of_executables / self.app), "--city", "60", "--iterations", "2",
+                 "--output", "out.bbal"], cwd=self.folder, capture_output=True, text=True, timeout=300,
+                preexec_fn=limited)
+            if result.returncode == 127:
+                continue  # the loader itself has run out
+            codes.add(result.returncode)
+            self.assertIn(result.returncode, (0, 1, 2), f"{limit}: {result.stderr}")
+            if result.returncode != 0:
+                self.assertRegex(result.stderr, "memory", str(limit))
+                self.assertFalse((self.folder / "out.bbal").exists())
+            (self.folder / "out.bbal").unlink(missing_ok=True)
+        self.assertIn(0, codes)
+        self.assertGreater(len(codes), 1)
 
     def test_version(self):
         self.check_version()

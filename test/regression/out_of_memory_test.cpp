@@ -106,7 +106,7 @@ TEST_F(OutOfMemory, OfASolveIsAStatusAndTheNextSolveWorks) {
   const Problem original = MakeProblem();
   const AnyVertex anchor = original.Vertices()[2];
   const VertexHandle<VertexPose> pose = *anchor.As<VertexPose>();
-  std::vector<SolveOptions> all(7);
+  std::vector<SolveOptions> all(9);
   all[1].num_threads = 2;
   all[2].method = Method::kDogleg;
   all[3].linear_solver_type = LinearSolverType::kSparseCholesky;
@@ -114,6 +114,11 @@ TEST_F(OutOfMemory, OfASolveIsAStatusAndTheNextSolveWorks) {
   all[4].gauge = Gauge::Prior{pose};
   all[4].linear_solver_type = LinearSolverType::kPcg;
   all[6].linear_solver_type = LinearSolverType::kImplicitPcg;
+  all[7].linear_solver_type = LinearSolverType::kImplicitPcg;
+  all[7].pcg.preconditioner = Preconditioner::kClusterJacobi;
+  all[8].linear_solver_type = LinearSolverType::kPcg;
+  all[8].pcg.preconditioner = Preconditioner::kPowerSeries;
+  all[8].memory_limit = 100'000'000;
   all[5].callback = [](const IterationSummary&) { return CallbackAction::kContinue; };
   for (const SolveOptions& options : all) {
     Problem reference = original.Clone();

@@ -164,8 +164,7 @@ class NormalEquations {
   void PlaceFactors(const Structure& structure);
   void FillPanel(const Structure& structure, const DampingTerm& damping, std::size_t batch,
                  Panel* panel);
-  int ReduceLandmarks(const Structure& structure, const DampingTerm& damping,
-                      const std::vector<std::int32_t>& cuts, ThreadPool* threads);
+  int ReduceLandmarks(const Structure& structure, const DampingTerm& damping, ThreadPool* threads);
   void MultiplyReduced(const double* x, double* y);
   bool PoseDiagonal(std::int32_t vertex, double* block);
   void MultiplyPoses(const Hessian& H, int chunk, int num_chunks, const double* x, double* y) const;
@@ -193,8 +192,9 @@ class NormalEquations {
   std::vector<std::int64_t> factor_begin_;
   std::uint64_t factors_of_ = 0;  // the analysis that these belong to
   std::vector<Panel> panels_;     // batches of landmarks that are eliminated at the same time
-  std::vector<double> diagonal_;  // diag(H), pose scalars then landmark scalars
-  std::vector<double> b_;         // the same order
+  std::vector<std::int32_t> batch_cuts_;  // columns of S, of the threads that take them
+  std::vector<double> diagonal_;          // diag(H), pose scalars then landmark scalars
+  std::vector<double> b_;                 // the same order
   std::vector<double> step_;
   std::vector<double> residual_;
   std::vector<std::uint8_t> held_;
