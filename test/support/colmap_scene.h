@@ -38,11 +38,13 @@ inline Vector2 ProjectColmapByFormula(const ColmapCamera& camera, const Vector3&
       const double dy = y * d + 2 * k[7] * x * y + k[6] * (n + 2 * y * y);
       return {k[0] * (x + dx) + k[2], k[1] * (y + dy) + k[3]};
     }
-    default: {  // OPENCV_FISHEYE
+    case ColmapCameraModel::kOpenCvFisheye: {
       const double theta = std::atan(r), t2 = theta * theta;
       const double theta_d = theta * (1 + t2 * (k[4] + t2 * (k[5] + t2 * (k[6] + t2 * k[7]))));
       return {k[0] * theta_d / r * x + k[2], k[1] * theta_d / r * y + k[3]};
     }
+    default:  // those that nothing solves for: somewhere in the image
+      return {400 * x + 500, 400 * y + 400};
   }
 }
 
