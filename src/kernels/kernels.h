@@ -28,9 +28,12 @@ namespace glissade::kernels {
 
 /// How many of the n columns that are still to be eliminated the factorizations below take at a
 /// time, before they update what is right of them.
+constexpr int kWidePanel = 192;
 constexpr int CholeskyPanelColumns(int n) {
-  return n < 192 ? n : n < 1024 ? 96 : 192;
+  return n < kWidePanel ? n : n < 1024 ? 96 : kWidePanel;
 }
+/// syrk_lower_sub sums up the products of so many columns of W at a time.
+constexpr int kUpdateDepth = 96;
 /// First columns of parts of syrk_packed_sub are multiples of kColumnBlock; packed W has n numbers a
 /// column, rounded up to a multiple of kPackedRows.
 constexpr int kColumnBlock = 8;

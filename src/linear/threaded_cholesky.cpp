@@ -28,21 +28,32 @@ void Update(int n, int k, const double* w, double* s, int lda, ThreadPool* threa
   if (n < kLarge && !shares) return kernel.syrk_lower_sub(n, k, w, lda, s, lda);
   const std::int64_t rows =
       (n + kernels::kPackedRows - 1) / kernels::kPackedRows * std::int64_t{kernels::kPackedRows};
-  scratch->resize(std::max(scratch->size(), internal::Index(rows * k)));
-  kernel.pack_rows(n, k, w, lda, scratch->data());
-  if (!shares) return kernel.syrk_packed_sub(n, k, scratch->data(), s, lda, 0, n);
+  // As many columns at a time as syrk_lower_sub takes, which does the same for smaller n; of wide
+  // panels, which have large n alone, all.
+  const int depth = k == kernels::kWidePanel ? k : kernels::kUpdateDepth;
+  scratch->resize(std::max(scratch->size(), internal::Index(rows * std::min(k, depth))));
+  const int parts = shares ? kPartsPerThread * threads->num_threads() : 1;
   // A triangle of which the part of [0, c) of the columns is 1 - (1 - c / n)^2.
-  const int parts = kPartsPerThread * threads->num_threads();
   const auto cut = [&](int part) {
     if (part == parts) return n;
     const double share = static_cast<double>(part) / parts;
     const int column = static_cast<int>(n * (1.0 - std::sqrt(1.0 - share)));
     return column - column % kernels::kColumnBlock;
   };
-  threads->Run(parts, [&](int part) {
-    const int begin = cut(part), end = cut(part + 1);
-    if (begin < end) kernel.syrk_packed_sub(n, k, scratch->data(), s, lda, begin, end);
-  });
+  for (int first = 0; first < k; first += depth) {
+    const int columns = std::min(depth, k - first);
+    kernel.pack_rows(n, columns, w + static_cast<std::ptrdiff_t>(first) * lda, lda,
+                     scratch->data());
+    const auto update = [&](int part) {
+      const int begin = cut(part), end = cut(part + 1);
+      if (begin < end) kernel.syrk_packed_sub(n, columns, scratch->data(), s, lda, begin, end);
+    };
+    if (shares) {
+      threads->Run(parts, [&](int part) { update(part); });
+    } else {
+      update(0);
+    }
+  }
 }
 
 }  // namespace

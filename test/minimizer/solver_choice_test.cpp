@@ -9,6 +9,7 @@
 #include "glissade/glissade.h"
 #include "glissade/io/bal.h"
 #include "glissade/sim/city.h"
+#include "glissade/structure/structure.h"
 
 namespace glissade {
 namespace {

@@ -11,6 +11,7 @@
 #define GLISSADE_KERNELS_IMPL_RANK_UPDATE_H_
 
 #include "kernels/impl/tile.h"
+#include "kernels/kernels.h"
 
 namespace glissade::kernels {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 // Columns and rows of W taken at a time: such a block (37 KiB with AVX-512) stays in the
 // first-level cache while the columns of S pass by. Copying it to a contiguous buffer did not pay
 // (0 to -10 %) except where the leading dimension is a multiple of 512.
-constexpr int kDepth = 96;
+constexpr int kDepth = kUpdateDepth;
 constexpr int kRowBlock = 2 * kMr * kW;
 
 // What becomes of S: kAdd, kSub, or kSetNegative, which does not read it.

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "glissade/minimizer/solver_choice.h"
 
+#include <initializer_list>
 #include <string>
+#include <string_view>
 
-#include "glissade/base/index.h"
 #include "glissade/graph/pools.h"
 #include "glissade/minimizer/minimizer.h"
 
@@ -25,17 +26,6 @@ constexpr int kSmall = 128;
 constexpr double kFlopsPerSecond = 2e10;   // of a sparse factorization
 constexpr double kSecondsPerEdge = 2e-7;   // of linearizing and eliminating
 constexpr double kMaxFactorization = 3.0;  // times as long as linearizing and eliminating
-
-SchurForm FormOf(LinearSolverType type) {
-  switch (type) {
-    case LinearSolverType::kDenseCholesky:
-      return SchurForm::kDense;
-    case LinearSolverType::kImplicitPcg:
-      return SchurForm::kDiagonalBlocks;
-    default:
-      return SchurForm::kBlocks;
-  }
-}
 
 std::string Megabytes(std::int64_t bytes) {
   return std::to_string((bytes + 999'999) / 1'000'000);
@@ -95,38 +85,21 @@ const char* NameOf(LinearSolverType type) {
   return "auto";
 }
 
-}  // namespace
-
-MemoryEstimate EstimateMemory(const Graph& graph, const Structure& structure,
-                              NormalEquations* equations, const SparseCholeskySolver& sparse,
-                              LinearSolverType type, int num_threads) {
-  constexpr std::int64_t kDouble = sizeof(double);
-  MemoryEstimate memory;
-  memory.linear_solver = type;
-  for (const auto& pool : graph.vertex_pools())
-    memory.graph += pool->MemoryBytes();
-  for (const auto& pool : graph.edge_pools())
-    memory.graph += pool->MemoryBytes();
-  memory.structure = structure.MemoryBytes();
-  memory.equations = equations->MemoryBytes(structure);
-  memory.reduced = equations->ReducedMemoryBytes(structure, FormOf(type), num_threads);
-  const std::int64_t n = structure.num_pose_scalars();
-  switch (type) {
-    case LinearSolverType::kDenseCholesky:
-      memory.solver = kDouble * n * (n + 8);
-      break;
-    case LinearSolverType::kSparseCholesky:
-      memory.solver = sparse.MemoryBytes();
-      break;
-    case LinearSolverType::kPcg:
-    case LinearSolverType::kImplicitPcg:
-    case LinearSolverType::kAuto:
-      // Vectors, those of the parts of a product, and the preconditioner.
-      memory.solver = kDouble * (32 * n + 16 * n);
-      break;
-  }
-  return memory;
+Status Refuse(std::initializer_list<std::string_view> parts) {
+  std::string message;
+  for (const std::string_view part : parts)
+    message.append(part);
+  return {StatusCode::kOutOfMemory, message};
 }
+
+Status TooMuch(const MemoryEstimate& m, LinearSolverType type, std::int64_t limit) {
+  return Refuse({"the solve needs ", Megabytes(m.total()), " MB (graph ", Megabytes(m.graph),
+                 ", structure ", Megabytes(m.structure), ", H ", Megabytes(m.equations), ", S ",
+                 Megabytes(m.reduced), ", ", NameOf(type), " ", Megabytes(m.solver),
+                 "), memory_limit is ", Megabytes(limit), " MB"});
+}
+
+}  // namespace
 
 Status ChooseSolver(const Graph& graph, SolverWorkspace* w, const SolveOptions& options,
                     SolverChoice* choice) {
@@ -162,13 +135,7 @@ Status ChooseSolver(const Graph& graph, SolverWorkspace* w, const SolveOptions& 
       }
     }
     if (!fits) {
-      const MemoryEstimate& m = choice->memory;
-      return {StatusCode::kOutOfMemory,
-              "the solve needs " + Megabytes(m.total()) + " MB (graph " + Megabytes(m.graph) +
-                  ", structure " + Megabytes(m.structure) + ", H " + Megabytes(m.equations) +
-                  ", S " + Megabytes(m.reduced) + ", " + NameOf(choice->type) + " " +
-                  Megabytes(m.solver) + "), memory_limit is " + Megabytes(options.memory_limit) +
-                  " MB"};
+      return TooMuch(choice->memory, choice->type, options.memory_limit);
     }
   }
   about.name = options.linear_solver != nullptr ? "user's" : NameOf(choice->type);
@@ -182,9 +149,8 @@ Status ChooseSolver(const Graph& graph, SolverWorkspace* w, const SolveOptions& 
 Status AnalyzeForSolve(Graph* graph, SolverWorkspace* w, const SolveOptions& options) {
   const std::int64_t least = Structure::AnalysisBytes(*graph);
   if (options.memory_limit > 0 && least > options.memory_limit) {
-    return {StatusCode::kOutOfMemory, "the analysis alone needs " + Megabytes(least) +
-                                          " MB, memory_limit is " +
-                                          Megabytes(options.memory_limit) + " MB"};
+    return Refuse({"the analysis alone needs ", Megabytes(least), " MB, memory_limit is ",
+                   Megabytes(options.memory_limit), " MB"});
   }
   Status status = w->structure.Analyze(
       graph, {.allow_duplicate_observations = options.allow_duplicate_observations,
