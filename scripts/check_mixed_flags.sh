@@ -11,6 +11,8 @@ set -euo pipefail
 (($# == 5)) || { echo "usage: $0 CXX ARCHIVE INCLUDE_DIR EIGEN_DIR WORK_DIR" >&2; exit 2; }
 [[ $(uname -m) == x86_64 ]] || { echo "skipped: not x86-64" >&2; exit 77; }
 cxx=$1 archive=$2
+metis='' # where the library was built with it
+if (($(nm "$archive" 2>/dev/null | grep -c METIS_NodeND || true) > 0)); then metis=-lmetis; fi
 flags=(-std=c++20 -I"$3" -isystem "$4")
 wide=(-mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx2 -mfma)
 mkdir -p "$5" && cd "$5"
@@ -79,7 +81,7 @@ for level in -O0 -O2; do
   fi
   for order in "plain.o wide.o" "wide.o plain.o"; do
     # shellcheck disable=SC2086
-    "$cxx" $order "$archive" -lpthread -o program
+    "$cxx" $order "$archive" -lpthread $metis -o program
     for isa in baseline avx512; do
       GLISSADE_ISA=$isa ./program || { echo "FAIL: $order at $level, $isa" >&2; exit 1; }
     done
