@@ -61,7 +61,7 @@ Examples:
   ba_solve problem.txt --compare-ceres                   the same with Ceres, side by side
   ba_solve problem.txt.gz --iterations 0 --output problem.bbal     once, to read it faster
   ba_solve --city 200 --seed 7 --output city.ply
-  ba_solve --city 5000 --memory-limit 2G --threads 2
+  ba_solve --city 100 --memory-limit 500M --threads 2
   ba_solve MODEL --loss huber:1 --output refined         a COLMAP model
 
 Ctrl-C ends the solve: the best solution so far is written like any other.
