@@ -113,7 +113,10 @@ def draw_profile(problems, path, plt):
                       lw=2.4 if name == "glissade-auto" else 1.4)
         axis.set(xscale="log", xlim=(1, right), ylim=(-2, 104), xlabel="time over that of the fastest",
                  title=f"within {tolerance:g} of (initial - best)")
-        axis.grid(alpha=0.3, which="both")
+        ticks = [t for t in (1, 2, 3, 5, 10, 20, 30, 50, 100, 200, 300, 500, 1000) if t <= right]
+        axis.set_xticks(ticks, [str(t) for t in ticks])
+        axis.set_xticks([], minor=True)
+        axis.grid(alpha=0.3)
     axes[0].set_ylabel(f"of {len(problems)} problems [%]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right center", fontsize=8)
     figure.savefig(path, dpi=90)
@@ -129,12 +132,17 @@ def draw_cost(problems, path, plt):
         scale = problem["initial"] - problem["best"]
         for solver in order(problem["runs"]):
             run = problem["runs"][solver][0]
-            best = [(s, c) for s, c, accepted, _ in run["trace"] if accepted and c is not None]
+            x, y = [], []
+            for seconds, cost, accepted, _ in run["trace"]:
+                if not accepted or cost is None:
+                    continue
+                x.append(seconds)
+                y.append(max((cost - problem["best"]) / scale, 1e-7))
+                if y[-1] < 1e-6:  # below is what stopping rules are for
+                    break
             color, line = STYLES.get(solver, (GREY, "-"))
-            # To 1e-6: below is what stopping rules are for.
-            handles[solver], = axis.plot([s for s, _ in best], [max((c - problem["best"]) / scale, 1e-7)
-                                                                for _, c in best], line, color=color, label=solver,
-                                         lw=2.2 if solver == "glissade-auto" else 1.2, marker=".", markersize=3)
+            handles[solver], = axis.plot(x, y, line, color=color, label=solver, marker=".", markersize=3,
+                                         lw=2.2 if solver == "glissade-auto" else 1.2)
         axis.set(xscale="log", yscale="log", ylim=(1e-6, 2), xlabel="time since the solve began [s]",
                  ylabel="(cost - best) / (initial - best)", title=f"{name}: {problem['observations']} observations")
         axis.title.set_fontsize(9)

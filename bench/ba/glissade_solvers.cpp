@@ -52,6 +52,11 @@ Result<BalProblem> Solve(const Configuration& configuration, BalProblem file,
   if (!summary.ok()) return summary.status;
   std::string chosen = summary.reduced.name;
   if (configuration.type == kAuto) chosen.append(": ").append(summary.reduced.reason);
+  if (summary.reduced.memory_bytes > 0) {
+    chosen.append("; estimated ")
+        .append(std::to_string(summary.reduced.memory_bytes / 1048576))
+        .append(" MB");
+  }
   recorder->SolveEnds(summary.final_cost, chosen);
   if (summary.termination == Termination::kMaxTime) recorder->Fails("time limit");
   return BalFromGraph(problem);
