@@ -90,6 +90,13 @@ def order(names):
     return sorted(names, key=lambda name: (known.index(name) if name in STYLES else len(known), name))
 
 
+def plain_ticks(axis, ticker):
+    """Of an axis of few decades: 1, 2, 5, 10 as such."""
+    axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5), numticks=12))
+    axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_locator(ticker.NullLocator())
+
+
 # ---- Pictures ------------------------------------------------------------------------------------
 def draw_profile(problems, path, plt):
     names = order({name for problem in problems.values() for name in problem["runs"]})
@@ -113,9 +120,7 @@ def draw_profile(problems, path, plt):
                       lw=2.4 if name == "glissade-auto" else 1.4)
         axis.set(xscale="log", xlim=(1, right), ylim=(-2, 104), xlabel="time over that of the fastest",
                  title=f"within {tolerance:g} of (initial - best)")
-        ticks = [t for t in (1, 2, 3, 5, 10, 20, 30, 50, 100, 200, 300, 500, 1000) if t <= right]
-        axis.set_xticks(ticks, [str(t) for t in ticks])
-        axis.set_xticks([], minor=True)
+        plain_ticks(axis.xaxis, plt.matplotlib.ticker)
         axis.grid(alpha=0.3)
     axes[0].set_ylabel(f"of {len(problems)} problems [%]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right center", fontsize=8)
@@ -146,6 +151,7 @@ def draw_cost(problems, path, plt):
         axis.set(xscale="log", yscale="log", ylim=(1e-6, 2), xlabel="time since the solve began [s]",
                  ylabel="(cost - best) / (initial - best)", title=f"{name}: {problem['observations']} observations")
         axis.title.set_fontsize(9)
+        plain_ticks(axis.xaxis, plt.matplotlib.ticker)
         axis.grid(alpha=0.3)
     for axis in axes.flat[len(problems):]:
         axis.set_axis_off()
@@ -177,7 +183,8 @@ def draw_growth(problems, path, np, plt):
             print(f"{what}, {name}: n^{slope:.3f}; " +
                   ", ".join(f"{int(n)}: {value:.4g} {unit}" for n, value in points))
         axis.set(xscale="log", yscale="log", xlabel="observations", ylabel=f"{what} [{unit}]")
-        axis.grid(alpha=0.3, which="both")
+        plain_ticks(axis.yaxis, plt.matplotlib.ticker)
+        axis.grid(alpha=0.3)
         axis.legend(fontsize=9)
     figure.savefig(path, dpi=90)
 
