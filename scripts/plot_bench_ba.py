@@ -163,7 +163,7 @@ def draw_cost(problems, path, plt):
 def draw_growth(problems, path, np, plt):
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
     names = order({name for problem in problems.values() for name in problem["runs"]})
-    for axis, what, unit in ((axes[0], "time of a step", "s"), (axes[1], "peak memory", "MB")):
+    for axis, what, unit in ((axes[0], "time of a step", "s"), (axes[1], "peak memory", "MiB")):
         for name in names:
             points = []
             for problem in problems.values():
