@@ -1,244 +1,244 @@
-// requires: ceres
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Bundle adjustment files ("Bundle Adjustment in the Large") in Ceres and in glissade, in turn, in
-// one process, one thread each:
-//   bench_ba [--rounds N] [--steps N] FILE...   CPU time of an accepted step, medians
-//   bench_ba --once [--steps N] FILE            glissade alone: for callgrind, perf
-// Ceres runs in each of the configurations that could be its fastest, with analytic Jacobians and a
-// cost function of fixed sizes. GLISSADE_ISA=baseline|avx2|avx512 chooses glissade's kernels.
-#include <ceres/ceres.h>
-
+// Bundle adjustment in glissade and in Ceres, in turn, each solve in a process of its own:
+//   bench_ba FILE...                      BAL files ("Bundle Adjustment in the Large")
+//   bench_ba --city 200,1000              simulated cities of so many cameras
+//   bench_ba --only glissade-auto,ceres-sparse --threads 2 --json result.json FILE...
+//   bench_ba --once [--steps N] FILE      glissade alone, in this process: for callgrind, perf
+// Time of an accepted step, time until the cost has come down, peak memory, iterations of conjugate
+// gradients, and what the solution costs, computed anew from its cameras and points (ba/audit.h).
+// Ceres has analytic Jacobians, a cost function of fixed sizes, an elimination ordering, no safety
+// checks. GLISSADE_ISA=baseline|avx2|avx512 chooses glissade's kernels.
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
-#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "ba/audit.h"
+#include "ba/child.h"
+#include "ba/problem_file.h"
+#include "ba/report.h"
+#include "ba/run.h"
+#include "ba/solvers.h"
 #include "glissade/io/bal.h"
-#include "glissade/linear/instruction_set.h"
-#include "glissade/problem/problem.h"
 #include "timing.h"
 
 namespace {
 
 using namespace glissade;
-using bench::Median;
-using bench::ThreadSeconds;
+using namespace glissade::bench;
 
-/// As somebody who knows Ceres writes it: EdgeBal's derivatives, row-major as Ceres has them.
-class BalCost final : public ceres::SizedCostFunction<2, 9, 3> {
- public:
-  BalCost(double u, double v) : u_(u), v_(v) {}
+struct Options {
+  std::vector<ProblemSource> problems;
+  std::vector<std::string> only;  // names of solvers; empty: those of Solver::by_default
+  Settings settings;
+  std::uint32_t seed = 1;
+  std::string json;
+  bool once = false;
+};
 
-  bool Evaluate(double const* const* x, double* r, double** J) const override {
-    using Eigen::Map;
-    using Eigen::Matrix;
-    using Eigen::Vector3d;
-    const double* c = x[0];
-    const Map<const Vector3d> w(c), X(x[1]);
-    const double angle2 = w.squaredNorm();
-    const double angle = std::sqrt(angle2);
-    // Exp(w) and its left Jacobian.
-    const double a = angle2 > 1e-16 ? std::sin(angle) / angle : 1.0;
-    const double b = angle2 > 1e-16 ? (1.0 - std::cos(angle)) / angle2 : 0.5;
-    const double d = angle2 > 1e-16 ? (1.0 - a) / angle2 : 1.0 / 6.0;
-    const Eigen::Matrix3d hat = Skew(w), hat2 = hat * hat;
-    const Eigen::Matrix3d R = Eigen::Matrix3d::Identity() + a * hat + b * hat2;
-    const Vector3d rotated = R * X;
-    const Vector3d P = rotated + Map<const Vector3d>(c + 3);
-    const double inverse = -1.0 / P[2];
-    const double p[2] = {inverse * P[0], inverse * P[1]};
-    const double n = p[0] * p[0] + p[1] * p[1];
-    const double f = c[6], k1 = c[7], k2 = c[8];
-    const double distortion = 1.0 + n * (k1 + k2 * n);
-    r[0] = f * distortion * p[0] - u_;
-    r[1] = f * distortion * p[1] - v_;
-    if (J == nullptr) return true;
-    const double slope = 2.0 * (k1 + 2.0 * k2 * n);
-    const double off = f * slope * p[0] * p[1];
-    const double dxx = f * (distortion + slope * p[0] * p[0]);
-    const double dyy = f * (distortion + slope * p[1] * p[1]);
-    Matrix<double, 2, 3> d_P;
-    d_P << dxx, off, dxx * p[0] + off * p[1], off, dyy, off * p[0] + dyy * p[1];
-    d_P *= inverse;
-    if (J[0] != nullptr) {
-      Map<Matrix<double, 2, 9, Eigen::RowMajor>> d_c(J[0]);
-      const Eigen::Matrix3d Jl = Eigen::Matrix3d::Identity() + b * hat + d * hat2;
-      d_c.leftCols<3>().noalias() = -(d_P * Skew(rotated)) * Jl;
-      d_c.middleCols<3>(3) = d_P;
-      for (int k = 0; k < 2; ++k) {
-        d_c(k, 6) = distortion * p[k];
-        d_c(k, 7) = f * n * p[k];
-        d_c(k, 8) = f * n * n * p[k];
-      }
+std::vector<Solver> AllSolvers() {
+  std::vector<Solver> all = GlissadeSolvers();
+  for (Solver& solver : CeresSolvers())
+    all.push_back(std::move(solver));
+  return all;
+}
+
+int Usage(const std::string& why) {
+  std::fprintf(stderr,
+               "bench_ba: %s\n"
+               "bench_ba [OPTION...] [--city N[,N...]] [FILE...]\n"
+               "  --only NAME[,NAME...]  solvers, of those below\n"
+               "  --rounds N             each solver N times, in turn (3)\n"
+               "  --steps N              at most N steps (10)\n"
+               "  --threads N            1: CPU time of the process; more: wall clock (1)\n"
+               "  --eta X                how exact steps of iterative solvers are (0.1)\n"
+               "  --time-limit S         of a solve, wall clock (600)\n"
+               "  --memory-limit MB      of a solver's process\n"
+               "  --seed N               of cities (1)\n"
+               "  --json FILE            all figures and traces\n"
+               "  --once                 glissade-auto in this process, one FILE\n\n",
+               why.c_str());
+  for (const Solver& solver : AllSolvers()) {
+    std::fprintf(stderr, "  %-26s %s%s%s\n", solver.name.c_str(), solver.about.c_str(),
+                 solver.max_cameras < 1 << 30 ? "; up to 300 cameras" : "",
+                 solver.by_default ? "" : "; only where asked for");
+  }
+  return 2;
+}
+
+std::vector<std::string> Split(std::string_view list) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    parts.emplace_back(list.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+/// The whole text as a number from low to high; else false.
+template <class Number>
+bool Parse(std::string_view text, Number low, Number high, Number* number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *number);
+  return error == std::errc() && end == text.data() + text.size() && *number >= low &&
+         *number <= high;
+}
+
+/// What is wrong with the command line; empty where nothing is.
+std::string Read(int argc, char** argv, Options* o) {
+  std::vector<std::string> cities;
+  Settings& s = o->settings;
+  for (int i = 1; i < argc; ++i) {
+    const std::string a = argv[i];
+    if (a == "--once") {
+      o->once = true;
+      continue;
     }
-    if (J[1] != nullptr) Map<Matrix<double, 2, 3, Eigen::RowMajor>>(J[1]).noalias() = d_P * R;
-    return true;
+    if (!a.starts_with("--")) {
+      o->problems.emplace_back().file = a;
+      continue;
+    }
+    if (i + 1 == argc) return a + ": unknown, or without what it needs";
+    const std::string_view value = argv[++i];
+    bool known = true, good = true;
+    if (a == "--city") {
+      cities = Split(value);
+    } else if (a == "--only") {
+      o->only = Split(value);
+    } else if (a == "--json") {
+      o->json = value;
+    } else if (a == "--rounds") {
+      good = Parse(value, 1, 1000, &s.rounds);
+    } else if (a == "--steps") {
+      good = Parse(value, 1, 100000, &s.steps);
+    } else if (a == "--threads") {
+      good = Parse(value, 1, 1024, &s.threads);
+    } else if (a == "--seed") {
+      good = Parse(value, std::uint32_t{0}, ~std::uint32_t{0}, &o->seed);
+    } else if (a == "--eta") {
+      good = Parse(value, 0.0, 1.0, &s.eta);
+    } else if (a == "--time-limit") {
+      good = Parse(value, 1e-3, 1e6, &s.time_limit_s);
+    } else if (a == "--memory-limit") {
+      good = Parse(value, 1.0, 1e9, &s.memory_limit_mb);
+    } else {
+      known = false;
+    }
+    if (!known) return a + ": unknown";
+    if (!good) return a + ": not " + argv[i];
   }
-
- private:
-  static Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
-    Eigen::Matrix3d m;
-    m << 0.0, -v[2], v[1], v[2], 0.0, -v[0], -v[1], v[0], 0.0;
-    return m;
+  for (const std::string& city : cities) {
+    ProblemSource source;
+    source.seed = o->seed;
+    if (!Parse(city, 20, 20000, &source.city)) return "--city: not " + city;
+    o->problems.push_back(source);
   }
-  double u_, v_;
-};
+  if (o->problems.empty()) return "no problem to solve";
+  if (o->once && (o->problems.size() > 1 || o->problems[0].city != 0)) return "--once: one FILE";
+  return "";
+}
 
-struct Run {
-  std::vector<double> ms;  // of each accepted step but the first
-  double cost = NAN;
-};
-
-struct CeresConfiguration {
-  const char* name;
-  ceres::LinearSolverType solver;
-  ceres::PreconditionerType preconditioner;
-  bool lapack;
-  bool explicit_schur;
-};
-constexpr CeresConfiguration kConfigurations[] = {
-    {"DENSE_SCHUR, Eigen", ceres::DENSE_SCHUR, ceres::JACOBI, false, false},
-    {"DENSE_SCHUR, LAPACK", ceres::DENSE_SCHUR, ceres::JACOBI, true, false},
-    {"SPARSE_SCHUR, SuiteSparse", ceres::SPARSE_SCHUR, ceres::JACOBI, false, false},
-    {"ITERATIVE_SCHUR, Schur-Jacobi", ceres::ITERATIVE_SCHUR, ceres::SCHUR_JACOBI, false, false},
-    {"ITERATIVE_SCHUR, explicit S", ceres::ITERATIVE_SCHUR, ceres::SCHUR_JACOBI, false, true},
-};
-
-class StepTimer final : public ceres::IterationCallback {
- public:
-  explicit StepTimer(Run* run) : run_(run) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& it) override {
-    const double now = ThreadSeconds();
-    if (it.iteration > 1 && it.step_is_successful) run_->ms.push_back(1e3 * (now - last_));
-    last_ = now;
-    return ceres::SOLVER_CONTINUE;
+/// Solves and audits; in a process of its own.
+void SolveOnce(const Solver& solver, const std::string& path, const Settings& settings,
+               std::FILE* out) {
+  auto problem = ReadBal(path);
+  if (!problem.ok()) {
+    Recorder(out, settings.CpuClock()).Fails(problem.status().message());
+    return;
   }
-
- private:
-  Run* run_;
-  double last_ = 0.0;
-};
-
-Run SolveCeres(const BalProblem& file, const CeresConfiguration& configuration, int steps) {
-  std::vector<VertexCameraBal> cameras = file.cameras;
-  std::vector<VertexPointXYZ> points = file.points;
-  ceres::Problem::Options problem_options;
-  problem_options.disable_all_safety_checks = true;
-  ceres::Problem problem(problem_options);
-  ceres::Solver::Options options;
-  options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  for (const BalObservation& seen : file.observations) {
-    double* const camera = cameras[static_cast<std::size_t>(seen.camera)].data;
-    double* const point = points[static_cast<std::size_t>(seen.point)].data;
-    problem.AddResidualBlock(new BalCost(seen.u, seen.v), nullptr, camera, point);
-    options.linear_solver_ordering->AddElementToGroup(point, 0);
-    options.linear_solver_ordering->AddElementToGroup(camera, 1);
+  Recorder recorder(out, settings.CpuClock());
+  const auto solution = solver.solve(std::move(problem).value(), settings, &recorder);
+  if (!solution.ok()) {
+    recorder.Fails(solution.status().message());
+    return;
   }
-  options.linear_solver_type = configuration.solver;
-  options.preconditioner_type = configuration.preconditioner;
-  options.use_explicit_schur_complement = configuration.explicit_schur;
-  options.dense_linear_algebra_library_type = configuration.lapack ? ceres::LAPACK : ceres::EIGEN;
-  options.max_num_iterations = steps;
-  options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 0.0;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
-  options.update_state_every_iteration = false;
+  // What was measured, as the file has it: the solver's own graph is not asked.
+  const auto again = ReadBal(path);
+  if (again.ok()) recorder.Audited(AuditedCost(*solution, again->observations));
+}
+
+Run RunSolver(const Solver& solver, const std::string& path, const Settings& settings) {
   Run run;
-  StepTimer timer(&run);
-  options.callbacks.push_back(&timer);
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  run.cost = summary.final_cost;
+  // A solver ends by itself at its limit where it looks at the clock.
+  const ChildLimits limits{1.5 * settings.time_limit_s + 10.0, settings.memory_limit_mb};
+  const std::string end =
+      RunInChild([&](std::FILE* out) { SolveOnce(solver, path, settings, out); }, limits,
+                 [&](const std::string& line) { ReadLine(line, &run); });
+  if (run.end.empty()) run.end = end;
   return run;
 }
 
-Run SolveGlissade(const BalProblem& file, int steps) {
-  Problem problem;
-  Run run;
-  if (const auto handles = AddToGraph(file, problem); !handles.ok()) {
-    std::fprintf(stderr, "bench_ba: %s\n", handles.status().message().c_str());
-    std::exit(1);
+/// All solvers in turn, round by round: what the machine does meanwhile, it does to all.
+void Compare(const std::vector<Solver>& solvers, const Settings& settings, ProblemRuns* problem) {
+  for (const Solver& solver : solvers) {
+    if (problem->cameras <= solver.max_cameras) problem->solvers.push_back({&solver, {}});
   }
-  SolveOptions options;
-  options.max_iterations = steps;
-  options.cost_tolerance = options.gradient_tolerance = options.step_tolerance = 0.0;
-  double last = 0.0;
-  options.callback = [&](const IterationSummary& it) {
-    const double now = ThreadSeconds();
-    if (it.iteration > 1 && it.accepted) run.ms.push_back(1e3 * (now - last));
-    last = now;
-    return CallbackAction::kContinue;
-  };
-  const SolveSummary& summary = problem.Solve(options);
-  if (!summary.ok()) std::fprintf(stderr, "glissade: %s\n", summary.status.message().c_str());
-  run.cost = summary.final_cost;
-  return run;
-}
-
-void Compare(const std::string& path, const BalProblem& file, int rounds, int steps) {
-  std::printf("%s: %zu cameras, %zu points, %zu observations; glissade's kernels: %s\n",
-              path.c_str(), file.cameras.size(), file.points.size(), file.observations.size(),
-              InstructionSetName());
-  constexpr std::size_t kCount = std::size(kConfigurations);
-  std::vector<double> ours, theirs[kCount], ratio[kCount];
-  double our_cost = NAN, their_cost[kCount];
-  for (int round = 0; round < rounds; ++round) {
-    std::fprintf(stderr, "round %d of %d\r", round + 1, rounds);
-    for (std::size_t k = 0; k < kCount; ++k) {
-      const Run a = SolveCeres(file, kConfigurations[k], steps);
-      const Run b = SolveGlissade(file, steps);
-      their_cost[k] = a.cost;
-      our_cost = b.cost;
-      ours.push_back(Median(b.ms));
-      theirs[k].push_back(Median(a.ms));
-      ratio[k].push_back(theirs[k].back() / ours.back());
+  for (int round = 0; round < settings.rounds; ++round) {
+    for (SolverRuns& runs : problem->solvers) {
+      std::fprintf(stderr, "%s, round %d of %d: %s\n", problem->name.c_str(), round + 1,
+                   settings.rounds, runs.solver->name.c_str());
+      runs.runs.push_back(RunSolver(*runs.solver, problem->path, settings));
     }
   }
-  std::printf("  %-32s %8s %8s   %s\n", "", "ms/step", "ratio", "cost");
-  std::printf("  %-32s %8.2f %8s   %.8e\n", "glissade", Median(ours), "", our_cost);
-  for (std::size_t k = 0; k < kCount; ++k) {
-    std::printf("  %-32s %8.2f %8.2f   %.8e\n", kConfigurations[k].name, Median(theirs[k]),
-                Median(ratio[k]), their_cost[k]);
-  }
+}
+
+int Once(const std::string& path, const Settings& settings) {
+  auto problem = ReadBal(path);
+  if (!problem.ok()) return Usage(problem.status().message());
+  std::FILE* const lines = std::tmpfile();
+  if (lines == nullptr) return 1;
+  Recorder recorder(lines, true);
+  const Solver solver = GlissadeSolvers().front();
+  const auto solution = solver.solve(std::move(problem).value(), settings, &recorder);
+  if (!solution.ok()) return Usage(solution.status().message());
+  std::rewind(lines);
+  Run run;
+  for (char line[512]; std::fgets(line, sizeof line, lines) != nullptr;)
+    ReadLine(line, &run);
+  std::fclose(lines);
+  std::printf("%s: %.2f ms/step, cost %.8e\n", path.c_str(), 1e3 * Median(run.StepSeconds()),
+              run.cost);
+  return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  int rounds = 5, steps = 10;
-  bool once = false;
-  std::vector<std::string> files;
-  for (int i = 1; i < argc; ++i) {
-    const std::string a = argv[i];
-    if (a == "--once") {
-      once = true;
-    } else if (a == "--rounds" && i + 1 < argc) {
-      rounds = std::atoi(argv[++i]);
-    } else if (a == "--steps" && i + 1 < argc) {
-      steps = std::atoi(argv[++i]);
-    } else {
-      files.push_back(a);
+  Options o;
+  if (const std::string why = Read(argc, argv, &o); !why.empty()) return Usage(why);
+  if (o.once) return Once(o.problems[0].file, o.settings);
+  std::vector<Solver> solvers;
+  const std::vector<Solver> all = AllSolvers();
+  for (const Solver& solver : all) {
+    const bool named = std::find(o.only.begin(), o.only.end(), solver.name) != o.only.end();
+    if (named || (o.only.empty() && solver.by_default)) solvers.push_back(solver);
+  }
+  if (solvers.size() < o.only.size()) return Usage("--only: there is no such solver");
+
+  TemporaryFolder folder;
+  std::vector<ProblemRuns> problems;
+  int exit_code = 0;
+  for (const ProblemSource& source : o.problems) {
+    std::string why;
+    ProblemRuns problem = PrepareProblem(source, folder.Add("problem.bbal"), &why);
+    if (!why.empty()) {
+      std::fprintf(stderr, "bench_ba: %s: %s\n", problem.name.c_str(), why.c_str());
+      exit_code = 2;
+      continue;
     }
-  }
-  if (files.empty()) {
-    std::fprintf(stderr, "bench_ba [--once] [--rounds N] [--steps N] FILE...\n");
-    return 2;
-  }
-  for (const std::string& path : files) {
-    const auto file = ReadBal(path);
-    if (!file.ok()) {
-      std::fprintf(stderr, "bench_ba: %s\n", file.status().message().c_str());
+    Compare(solvers, o.settings, &problem);
+    PrintTable(problem, o.settings);
+    problems.push_back(std::move(problem));
+    // After each: what comes later may take hours.
+    if (!o.json.empty() && !WriteJson(o.json, problems, o.settings)) {
+      std::fprintf(stderr, "bench_ba: %s cannot be written\n", o.json.c_str());
       return 2;
     }
-    if (once) {
-      const Run run = SolveGlissade(*file, steps);
-      std::printf("%s: %.2f ms/step, cost %.8e\n", path.c_str(), Median(run.ms), run.cost);
-    } else {
-      Compare(path, *file, rounds, steps);
-    }
   }
-  return 0;
+  return exit_code;
 }

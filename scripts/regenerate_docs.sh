@@ -6,7 +6,8 @@
 #
 # Makes every picture of docs/images and every number of docs/figures.json anew, and writes them into
 # the documents; `git diff` then shows what has changed. Times are left alone (docs/benchmarks.md has its
-# own commands, for a quiet machine), but for those of docs/windows.md, which are of the thread's own clock.
+# own commands, for a quiet machine, and so have docs/large.md and its pictures, half an hour of bench_ba
+# and scripts/plot_bench_ba.py), but for those of docs/windows.md, which are of the thread's own clock.
 #
 # Needs the programs and examples (built with scripts/test.sh, or FOLDER with them) and a Python with
 # numpy and matplotlib (Debian, Ubuntu: python3-matplotlib; or PYTHON=/path/to/venv/bin/python).
