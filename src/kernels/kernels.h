@@ -34,8 +34,8 @@ constexpr int CholeskyPanelColumns(int n) {
 }
 /// syrk_lower_sub sums up the products of so many columns of W at a time.
 constexpr int kUpdateDepth = 96;
-/// First columns of parts of syrk_packed_sub are multiples of kColumnBlock; packed W has n numbers a
-/// column, rounded up to a multiple of kPackedRows.
+/// First columns of parts of syrk_packed_sub are multiples of kColumnBlock; packed W has n numbers
+/// a column, rounded up to a multiple of kPackedRows.
 constexpr int kColumnBlock = 8;
 constexpr int kPackedRows = 24;
 
