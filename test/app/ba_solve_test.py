@@ -69,7 +69,7 @@ class BaSolve(AppTest):
     app = "ba_solve"
     numeric_options = {"--iterations": ("-1", "1.5", "1000001", "1e3"),
                        "--threads": ("0", "-1", "1025", "1e9", "2.0"),
-                       "--tolerance": ("-1e-9", "-1", "1"),
+                       "--tolerance": ("-1e-9", "-1", "1"), "--forcing": ("-1e-9", "-1", "1"),
                        "--city": ("0", "19", "20001", "-200", "200.0"), "--seed": ("-1", "4294967296")}
 
     def check_schema(self, result, *more):
