@@ -10,6 +10,7 @@
 #include "glissade/cameras/intrinsics_radtan.h"
 #include "glissade/edges/edge_ops.h"
 #include "glissade/edges/lanes.h"
+#include "glissade/edges/point_in_camera.h"
 #include "glissade/vertices/point_xyz.h"
 #include "glissade/vertices/pose.h"
 #include "glissade/vertices/pose_view.h"
@@ -45,26 +46,16 @@ struct EdgeReprojectionIntrinsicsOf {
                 const View<Intrinsics, T>& intrinsics, const Vec<T, 2>& measured, Vec<T, 2>& r,
                 Mat<T, 2, 6>* d_r_d_pose, Mat<T, 2, 3>* d_r_d_point,
                 Mat<T, 2, kDim>* d_r_d_intrinsics) const {
-    const auto camera_in_body = internal::ViewOf<T>(T_b_c);
-    const Vec<T, 3> x_b = TransposeTimes(pose.R, point.p - pose.p);
-    const Vec<T, 3> x_c = TransposeTimes(camera_in_body.R, x_b - camera_in_body.p);
+    const internal::PointInCamera<T> x(pose, point, T_b_c);
     const bool linearize = d_r_d_pose || d_r_d_point;
     Mat<T, 2, 3> d_r_d_c;
-    if (!Model::Project(intrinsics.state, x_c, r, linearize ? &d_r_d_c : nullptr,
+    if (!Model::Project(intrinsics.state, x.x_c, r, linearize ? &d_r_d_c : nullptr,
                         d_r_d_intrinsics)) {
       return false;
     }
     if (!internal::HasValue(r)) return false;
     r = r - measured;
-    if (!linearize) return true;
-    const Mat<T, 2, 3> d_r_d_b = d_r_d_c * camera_in_body.R.Transpose();
-    const Mat<T, 2, 3> d_r_d_w = d_r_d_b * pose.R.Transpose();
-    if (d_r_d_pose) {
-      d_r_d_pose->Set(0, 0, -d_r_d_w);
-      for (int row = 0; row < 2; ++row)
-        d_r_d_pose->Set(row, 3, Cross(d_r_d_b.Row(row), x_b));
-    }
-    if (d_r_d_point) *d_r_d_point = d_r_d_w;
+    if (linearize) x.Derivatives(pose, d_r_d_c, d_r_d_pose, d_r_d_point);
     return true;
   }
   bool Evaluate(const VertexPose& pose, const VertexPointXYZ& point, const Intrinsics& intrinsics,
