@@ -21,10 +21,6 @@ std::string FileOf(const std::string& folder, const char* name) {
   return (std::filesystem::path(folder) / std::string(name).append(".bin")).string();
 }
 
-Result<BinaryReader> OpenFile(const std::string& folder, const char* name) {
-  return BinaryReader::Open(FileOf(folder, name));
-}
-
 /// kNoPoint is -1; other numbers from 2^63 on are no ids.
 std::int64_t ReadPointId(BinaryReader& in, std::string_view what) {
   const std::uint64_t at = in.offset();
@@ -137,46 +133,42 @@ class BinaryWriter {
 Result<ColmapModel> ReadColmapBinary(const std::string& folder) {
   ColmapModel model;
   ColmapCheck check(model);
-  auto cameras = OpenFile(folder, kColmapFiles[0]);
-  if (!cameras.ok()) return cameras.status();
-  auto images = OpenFile(folder, kColmapFiles[1]);
-  if (!images.ok()) return images.status();
-  auto points = OpenFile(folder, kColmapFiles[2]);
-  if (!points.ok()) return points.status();
+  std::vector<BinaryReader> files;
+  Status status = OpenColmapFiles(
+      &files, [&](const char* name) { return BinaryReader::Open(FileOf(folder, name)); });
+  if (!status.ok()) return status;
 
   // The least bytes that one takes up: no parameters but three, no name, no features, no track.
-  Status status = ReadAll(cameras.value(), 48, "number of cameras", &model.cameras, nullptr,
-                          ReadCamera, [&](std::size_t k) { return check.Camera(k); });
+  status = ReadAll(files[0], 48, "number of cameras", &model.cameras, nullptr, ReadCamera,
+                   [&](std::size_t k) { return check.Camera(k); });
   if (!status.ok()) return status;
   std::vector<std::uint64_t> offset_of_image;
-  status = ReadAll(images.value(), 73, "number of images", &model.images, &offset_of_image,
-                   ReadImage, [&](std::size_t k) { return check.Image(k); });
+  status = ReadAll(files[1], 73, "number of images", &model.images, &offset_of_image, ReadImage,
+                   [&](std::size_t k) { return check.Image(k); });
   if (!status.ok()) return status;
-  status = ReadAll(points.value(), 51, "number of points", &model.points, nullptr, ReadPoint,
+  status = ReadAll(files[2], 51, "number of points", &model.points, nullptr, ReadPoint,
                    [&](std::size_t k) { return check.Point(k); });
   if (!status.ok()) return status;
   std::size_t image = 0;
   if (const std::string why = check.NextUnlinked(&image); !why.empty())
-    return At(images.value(), offset_of_image[image], why);
+    return At(files[1], offset_of_image[image], why);
   return model;
 }
 
 Status WriteColmapBinary(const ColmapModel& model, const std::string& folder) {
-  auto cameras = TextWriter::Create(FileOf(folder, kColmapFiles[0]));
-  if (!cameras.ok()) return cameras.status();
-  auto images = TextWriter::Create(FileOf(folder, kColmapFiles[1]));
-  if (!images.ok()) return images.status();
-  auto points = TextWriter::Create(FileOf(folder, kColmapFiles[2]));
-  if (!points.ok()) return points.status();
+  std::vector<TextWriter> files;
+  Status status = OpenColmapFiles(
+      &files, [&](const char* name) { return TextWriter::Create(FileOf(folder, name)); });
+  if (!status.ok()) return status;
 
-  BinaryWriter camera_file(cameras.value());
+  BinaryWriter camera_file(files[0]);
   camera_file.Integer(model.cameras.size(), 8);
   for (const ColmapCamera& camera : model.cameras) {
     camera_file.Integer(camera.id, 4).Integer(static_cast<std::uint32_t>(camera.model), 4);
     camera_file.Integer(camera.width, 8).Integer(camera.height, 8);
     camera_file.Numbers(camera.parameters.data(), camera.parameters.size());
   }
-  BinaryWriter image_file(images.value());
+  BinaryWriter image_file(files[1]);
   image_file.Integer(model.images.size(), 8);
   for (const ColmapImage& image : model.images) {
     image_file.Integer(image.id, 4).Numbers(image.q, 4).Numbers(image.t, 3);
@@ -187,7 +179,7 @@ Status WriteColmapBinary(const ColmapModel& model, const std::string& folder) {
                          8);
     }
   }
-  BinaryWriter point_file(points.value());
+  BinaryWriter point_file(files[2]);
   point_file.Integer(model.points.size(), 8);
   for (const ColmapPoint& point : model.points) {
     point_file.Integer(static_cast<std::uint64_t>(point.id), 8).Numbers(point.xyz, 3);
@@ -197,9 +189,7 @@ Status WriteColmapBinary(const ColmapModel& model, const std::string& folder) {
     for (const ColmapTrackElement& element : point.track)
       point_file.Integer(element.image, 4).Integer(element.feature, 4);
   }
-  if (Status status = cameras.value().Close(); !status.ok()) return status;
-  if (Status status = images.value().Close(); !status.ok()) return status;
-  return points.value().Close();
+  return CloseColmapFiles(&files);
 }
 
 }  // namespace glissade::internal

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "glissade/io/colmap.h"
@@ -41,6 +42,27 @@ class ColmapCheck {
   std::unordered_set<std::int64_t> points_;
   std::vector<std::vector<bool>> in_track_;  // of the features of each image
 };
+
+/// Opens the three files of a model, in the order of kColmapFiles, or fails with the first that
+/// cannot be. open: from a name, without ending, to Result<File>.
+template <class File, class Open>
+Status OpenColmapFiles(std::vector<File>* files, Open&& open) {
+  for (const char* name : kColmapFiles) {
+    Result<File> file = open(name);
+    if (!file.ok()) return file.status();
+    files->push_back(std::move(file).value());
+  }
+  return {};
+}
+
+/// Closes files that were written, up to the first that cannot be.
+template <class File>
+Status CloseColmapFiles(std::vector<File>* files) {
+  for (File& file : *files) {
+    if (Status status = file.Close(); !status.ok()) return status;
+  }
+  return {};
+}
 
 /// Pieces of a message in a row.
 std::string Joined(std::initializer_list<std::string_view> pieces);

@@ -21,10 +21,6 @@ std::string FileOf(const std::string& folder, const char* name) {
   return (std::filesystem::path(folder) / std::string(name).append(".txt")).string();
 }
 
-Result<TextReader> OpenFile(const std::string& folder, const char* name) {
-  return TextReader::Open(FileOf(folder, name), '#');
-}
-
 /// Whether the next word is on this line.
 bool IsOnLine(TextReader& in, std::int64_t line) {
   return !in.AtEnd() && in.line() == line;
@@ -124,8 +120,19 @@ Status At(const TextReader& in, std::int64_t line, const std::string& why) {
   return {StatusCode::kParseError, Joined({in.path(), ":", std::to_string(line), ": ", why})};
 }
 
-Result<TextWriter> CreateFile(const std::string& folder, const char* name) {
-  return TextWriter::Create(FileOf(folder, name));
+/// All of a file: Ts, of each the line where it begins. `check` says what is wrong with the last
+/// one.
+template <class T, class Read, class Check>
+Status ReadAll(TextReader& in, std::vector<T>* out, std::vector<std::int64_t>* lines, Read read,
+               Check check) {
+  while (!in.AtEnd()) {
+    lines->push_back(in.line());
+    out->push_back(read(in));
+    if (!in.ok()) break;
+    if (const std::string why = check(out->size() - 1); !why.empty())
+      return At(in, lines->back(), why);
+  }
+  return in.status();
 }
 
 }  // namespace
@@ -133,59 +140,34 @@ Result<TextWriter> CreateFile(const std::string& folder, const char* name) {
 Result<ColmapModel> ReadColmapText(const std::string& folder) {
   ColmapModel model;
   ColmapCheck check(model);
-  auto cameras = OpenFile(folder, kColmapFiles[0]);
-  if (!cameras.ok()) return cameras.status();
-  auto images = OpenFile(folder, kColmapFiles[1]);
-  if (!images.ok()) return images.status();
-  auto points = OpenFile(folder, kColmapFiles[2]);
-  if (!points.ok()) return points.status();
-
-  TextReader& camera_file = cameras.value();
-  while (!camera_file.AtEnd()) {
-    const std::int64_t line = camera_file.line();
-    model.cameras.push_back(ReadCamera(camera_file));
-    if (!camera_file.ok()) break;
-    const std::string why = check.Camera(model.cameras.size() - 1);
-    if (!why.empty()) return At(camera_file, line, why);
-  }
-  if (!camera_file.ok()) return camera_file.status();
-
-  TextReader& image_file = images.value();
-  std::vector<std::int64_t> line_of_image;
-  while (!image_file.AtEnd()) {
-    line_of_image.push_back(image_file.line());
-    model.images.push_back(ReadImage(image_file));
-    if (!image_file.ok()) break;
-    const std::string why = check.Image(model.images.size() - 1);
-    if (!why.empty()) return At(image_file, line_of_image.back(), why);
-  }
-  if (!image_file.ok()) return image_file.status();
-
-  TextReader& point_file = points.value();
-  while (!point_file.AtEnd()) {
-    const std::int64_t line = point_file.line();
-    model.points.push_back(ReadPoint(point_file));
-    if (!point_file.ok()) break;
-    const std::string why = check.Point(model.points.size() - 1);
-    if (!why.empty()) return At(point_file, line, why);
-  }
-  if (!point_file.ok()) return point_file.status();
-
+  std::vector<TextReader> files;
+  Status status = OpenColmapFiles(
+      &files, [&](const char* name) { return TextReader::Open(FileOf(folder, name), '#'); });
+  if (!status.ok()) return status;
+  std::vector<std::int64_t> lines, line_of_image;
+  status = ReadAll(files[0], &model.cameras, &lines, ReadCamera,
+                   [&](std::size_t k) { return check.Camera(k); });
+  if (!status.ok()) return status;
+  status = ReadAll(files[1], &model.images, &line_of_image, ReadImage,
+                   [&](std::size_t k) { return check.Image(k); });
+  if (!status.ok()) return status;
+  lines.clear();
+  status = ReadAll(files[2], &model.points, &lines, ReadPoint,
+                   [&](std::size_t k) { return check.Point(k); });
+  if (!status.ok()) return status;
   std::size_t image = 0;
   if (const std::string why = check.NextUnlinked(&image); !why.empty())
-    return At(image_file, line_of_image[image] + 1, why);
+    return At(files[1], line_of_image[image] + 1, why);
   return model;
 }
 
 Status WriteColmapText(const ColmapModel& model, const std::string& folder) {
-  auto cameras = CreateFile(folder, kColmapFiles[0]);
-  if (!cameras.ok()) return cameras.status();
-  auto images = CreateFile(folder, kColmapFiles[1]);
-  if (!images.ok()) return images.status();
-  auto points = CreateFile(folder, kColmapFiles[2]);
-  if (!points.ok()) return points.status();
+  std::vector<TextWriter> files;
+  Status status = OpenColmapFiles(
+      &files, [&](const char* name) { return TextWriter::Create(FileOf(folder, name)); });
+  if (!status.ok()) return status;
 
-  TextWriter& camera_file = cameras.value();
+  TextWriter& camera_file = files[0];
   camera_file.Line("# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]");
   for (const ColmapCamera& camera : model.cameras) {
     camera_file.Integer(camera.id).Word(ColmapModelName(camera.model));
@@ -193,7 +175,7 @@ Status WriteColmapText(const ColmapModel& model, const std::string& folder) {
     camera_file.Numbers(camera.parameters.data(), static_cast<int>(camera.parameters.size()));
     camera_file.EndLine();
   }
-  TextWriter& image_file = images.value();
+  TextWriter& image_file = files[1];
   image_file.Line("# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
   image_file.Line("# POINTS2D[] as X Y POINT3D_ID");
   for (const ColmapImage& image : model.images) {
@@ -203,7 +185,7 @@ Status WriteColmapText(const ColmapModel& model, const std::string& folder) {
       image_file.Number(feature.x).Number(feature.y).Integer(feature.point);
     image_file.EndLine();
   }
-  TextWriter& point_file = points.value();
+  TextWriter& point_file = files[2];
   point_file.Line("# POINT3D_ID X Y Z R G B ERROR TRACK[] as IMAGE_ID POINT2D_IDX");
   for (const ColmapPoint& point : model.points) {
     point_file.Integer(point.id).Numbers(point.xyz, 3);
@@ -214,9 +196,7 @@ Status WriteColmapText(const ColmapModel& model, const std::string& folder) {
       point_file.Integer(element.image).Integer(element.feature);
     point_file.EndLine();
   }
-  if (Status status = camera_file.Close(); !status.ok()) return status;
-  if (Status status = image_file.Close(); !status.ok()) return status;
-  return point_file.Close();
+  return CloseColmapFiles(&files);
 }
 
 }  // namespace glissade::internal
