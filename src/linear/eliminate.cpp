@@ -221,7 +221,7 @@ StepFailure NormalEquations::Eliminate(const Structure& structure, const Graph& 
 
   const int threads_used = !structure.landmarks().empty() ? threads->num_threads() : 1;
   const std::vector<std::int32_t>& cuts =
-      schur_->CutColumns(structure, threads_used == 1 ? 1 : kTasksPerThread * threads_used);
+      schur_->CutColumns(threads_used == 1 ? 1 : kTasksPerThread * threads_used);
   threads->Run(static_cast<int>(cuts.size()) - 1, [&](int task) {
     StartColumns(structure, damping, cuts[Index(task)], cuts[Index(task) + 1]);
   });

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "glissade/base/index.h"
+#include "linear/cut_evenly.h"
 #include "linear/schur_storage.h"
 
 namespace glissade {
@@ -158,22 +159,13 @@ std::pair<const kernels::SchurBlock*, const kernels::SchurBlock*> SchurBatches::
 void SchurBatches::CutColumns(std::size_t first, std::size_t count, std::int32_t num_columns,
                               int parts, std::vector<std::int32_t>* cuts) const {
   work_.assign(Index(num_columns), 0);
-  std::int64_t total = 0;
-  for (std::int64_t k = batches_[first].block_begin; k < batches_[first + count - 1].block_end;
-       ++k) {
+  const std::int64_t end = batches_[first + count - 1].block_end;
+  for (std::int64_t k = batches_[first].block_begin; k < end; ++k) {
     const kernels::SchurBlock& block = blocks_[Index(k)];
     // A block is read and written once, and each pair of slots adds to it.
-    const std::int64_t work = 2 + block.pair_end - block.pair_begin;
-    work_[Index(block.col)] += work;
-    total += work;
+    work_[Index(block.col)] += 2 + block.pair_end - block.pair_begin;
   }
-  cuts->assign(1, 0);
-  std::int64_t sum = 0;
-  for (std::int32_t c = 0; c < num_columns; ++c) {
-    if (c > 0 && sum * parts >= total * static_cast<std::int64_t>(cuts->size())) cuts->push_back(c);
-    sum += work_[Index(c)];
-  }
-  cuts->push_back(num_columns);
+  internal::CutEvenly(work_, parts, cuts);
 }
 
 kernels::SchurPanel SchurBatches::Panel(std::size_t k, const double* z, const double* beta) const {

@@ -7,6 +7,7 @@
 
 #include "glissade/base/index.h"
 #include "kernels/kernels.h"
+#include "linear/cut_evenly.h"
 
 namespace glissade {
 
@@ -141,34 +142,13 @@ void SchurStorage::ListPoseBlocks(const Structure& structure) {
   }
 }
 
-const std::vector<std::int32_t>& SchurStorage::CutColumns(const Structure& structure, int count) {
+const std::vector<std::int32_t>& SchurStorage::CutColumns(int count) {
   if (!cuts_.empty() && num_cuts_ == count) return cuts_;
   num_cuts_ = count;
-  cuts_.assign(1, 0);
-  const std::size_t n = all_.num_vertices();
-  if (count > 1 && n > 1) {
-    // Products of blocks per block column.
-    work_.resize(n);
-    for (std::size_t c = 0; c < n; ++c)
-      work_[c] = column_begin_[c + 1] - column_begin_[c];
-    for (const LandmarkBlock& landmark : structure.landmarks()) {
-      for (std::int32_t s = landmark.slot_begin; s < landmark.slot_end; ++s) {
-        work_[Index(structure.slot_block()[Index(s)])] +=
-            form_ == SchurForm::kDiagonalBlocks || form_ == SchurForm::kSomeBlocks
-                ? 1
-                : landmark.slot_end - s;
-      }
-    }
-    const std::int64_t total = std::accumulate(work_.begin(), work_.end(), std::int64_t{0});
-    std::int64_t sum = 0;
-    for (std::size_t c = 0; c < n; ++c) {
-      if (c > 0 && sum * count >= total * static_cast<std::int64_t>(cuts_.size())) {
-        cuts_.push_back(static_cast<std::int32_t>(c));
-      }
-      sum += work_[c];
-    }
-  }
-  cuts_.push_back(static_cast<std::int32_t>(n));
+  work_.resize(all_.num_vertices());
+  for (std::size_t c = 0; c < work_.size(); ++c)
+    work_[c] = column_begin_[c + 1] - column_begin_[c];
+  internal::CutEvenly(work_, count, &cuts_);
   return cuts_;
 }
 
@@ -194,16 +174,16 @@ bool SchurStorage::PoseDiagonal(std::int32_t vertex, double* block) const {
 // not depend on threads.
 void SchurStorage::CutProduct() {
   constexpr std::size_t kNumbersPerPart = 65536, kMaxParts = 8;
-  product_cuts_.assign(1, 0);
+  const std::size_t n = all_.num_vertices();
+  work_.assign(n, 0);
+  int parts = 1;
   if (form_ == SchurForm::kBlocks) {
-    const std::size_t n = all_.num_vertices();
-    const std::size_t parts = std::clamp<std::size_t>(data_.size() / kNumbersPerPart, 1, kMaxParts);
-    for (std::size_t c = 0; c < n; ++c) {
-      if (Index(column_[c]) * parts >= data_.size() * product_cuts_.size() && c > 0)
-        product_cuts_.push_back(c);
-    }
-    product_cuts_.push_back(n);
+    parts = static_cast<int>(std::clamp<std::size_t>(data_.size() / kNumbersPerPart, 1, kMaxParts));
+    const auto size = static_cast<std::int64_t>(data_.size());
+    for (std::size_t c = 0; c < n; ++c)
+      work_[c] = (c + 1 < n ? column_[c + 1] : size) - column_[c];
   }
+  internal::CutEvenly(work_, parts, &product_cuts_);
   product_parts_.resize(product_cuts_.size() - 1);
   for (ProductPart& part : product_parts_) {
     part.x.resize(Index(all_.size()));
@@ -226,8 +206,8 @@ void SchurStorage::Multiply(const double* x, double* y) const {
   }
   const auto multiply = [&](int k) {
     ProductPart& part = product_parts_[Index(k)];
-    MultiplyColumns(product_cuts_[Index(k)], product_cuts_[Index(k) + 1], x, part.x.data(),
-                    part.y.data(), part.sum.data());
+    MultiplyColumns(Index(product_cuts_[Index(k)]), Index(product_cuts_[Index(k) + 1]), x,
+                    part.x.data(), part.y.data(), part.sum.data());
   };
   if (owner_.threads != nullptr) {
     owner_.threads->Run(static_cast<int>(product_parts_.size()), [&](int k) { multiply(k); });

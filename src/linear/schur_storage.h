@@ -65,7 +65,7 @@ class SchurStorage final : public SchurOperator {
   [[nodiscard]] const SchurBatches& batches() const { return batches_; }
   /// Cuts the block columns into about `count` ranges of about equal work: range k is [cuts[k],
   /// cuts[k + 1]).
-  const std::vector<std::int32_t>& CutColumns(const Structure& structure, int count);
+  const std::vector<std::int32_t>& CutColumns(int count);
 
   // --- SchurOperator -----------------------------------------------------------------------------
   [[nodiscard]] const SchurLayout& layout() const override { return layout_; }
@@ -113,7 +113,7 @@ class SchurStorage final : public SchurOperator {
   std::vector<std::int64_t> work_;
   Owner owner_;
   // Of products with stored blocks: parts of the block columns, and what each has for itself.
-  std::vector<std::size_t> product_cuts_;
+  std::vector<std::int32_t> product_cuts_;
   struct ProductPart {
     std::vector<double> x, y, sum;
   };
