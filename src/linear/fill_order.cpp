@@ -120,10 +120,6 @@ void FillOrder::ApproximateMinimumDegree(std::vector<std::int32_t>* order) {
 }
 
 #if GLISSADE_HAVE_METIS
-bool FillOrder::HasDissection() {
-  return true;
-}
-
 bool FillOrder::Dissect(std::vector<std::int32_t>* order) {
   static_assert(sizeof(idx_t) == sizeof(std::int32_t));
   auto n = static_cast<idx_t>(begin_.size() - 1);
@@ -138,10 +134,6 @@ bool FillOrder::Dissect(std::vector<std::int32_t>* order) {
   return result == METIS_OK;
 }
 #else
-bool FillOrder::HasDissection() {
-  return false;
-}
-
 bool FillOrder::Dissect(std::vector<std::int32_t>*) {
   return false;
 }

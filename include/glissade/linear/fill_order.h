@@ -20,8 +20,6 @@ class FillOrder {
  public:
   /// Writes the blocks in the order of elimination.
   void Find(const SchurLayout& layout, std::vector<std::int32_t>* order);
-  /// Whether nested dissection is there.
-  [[nodiscard]] static bool HasDissection();
 
  private:
   void MinimumDegree(const SchurLayout& layout, std::vector<std::int32_t>* order);
