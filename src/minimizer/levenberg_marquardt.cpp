@@ -10,20 +10,18 @@ namespace glissade {
 
 StepStrategy::Outcome StepStrategy::SolveDamped(const DampingTerm& damping,
                                                 LinearSolverResult* result) {
-  LinearSolver* solver = nullptr;
-  SchurForm form{};
+  LinearSolver* const solver = w_.Solver(options_, w_.choice.type);
+  const LentThreads lent(solver, &w_.threads);
+  SolverWorkspace::Wish wish;
   {
     const Timed timed(&w_.summary.time.solve_s);
-    solver = w_.Solver(options_, w_.choice.type);
-    solver->UseThreads(&w_.threads);
-    form = solver->Form(w_.equations.ReducedLayout(w_.structure));
+    wish = w_.AskWhatToStore(solver);
   }
   w_.solved.is_there = false;  // until there is a step again
   {
     const Timed timed(&w_.summary.time.eliminate_s);
-    const std::span<const std::int32_t> wanted =
-        form == SchurForm::kSomeBlocks ? solver->WantedBlocks() : std::span<const std::int32_t>();
-    failure_ = w_.equations.Eliminate(w_.structure, *graph_, damping, form, &w_.threads, wanted);
+    failure_ =
+        w_.equations.Eliminate(w_.structure, *graph_, damping, wish.form, &w_.threads, wish.blocks);
   }
   if (OutOfTime()) return Outcome::kOutOfTime;
   const bool eliminated = failure_.ok();
@@ -45,9 +43,7 @@ StepStrategy::Outcome StepStrategy::SolveDamped(const DampingTerm& damping,
 // kAuto's conjugate gradients are inexact.
 double StepStrategy::Forcing() const {
   constexpr double kForcing = 0.1;
-  const bool chosen =
-      options_.linear_solver == nullptr && options_.linear_solver_type == LinearSolverType::kAuto;
-  return chosen && options_.pcg.forcing == 0.0 ? kForcing : options_.pcg.forcing;
+  return ChoosesSolver(options_) && options_.pcg.forcing == 0.0 ? kForcing : options_.pcg.forcing;
 }
 
 double StepStrategy::Progress() const {

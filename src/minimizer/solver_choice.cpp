@@ -110,8 +110,7 @@ Status ChooseSolver(const Graph& graph, SolverWorkspace* w, const SolveOptions& 
   const SchurLayout& layout = w->equations.ReducedLayout(structure);
   const auto n = static_cast<double>(layout.num_vertices());
   if (n > 0.0) about.density = static_cast<double>(layout.blocks.size()) / (0.5 * n * (n + 1.0));
-  const bool chooses =
-      options.linear_solver == nullptr && options.linear_solver_type == LinearSolverType::kAuto;
+  const bool chooses = ChoosesSolver(options);
   if (chooses) {
     choice->type = Preferred(w, &about.reason);
   } else {
@@ -147,10 +146,10 @@ Status ChooseSolver(const Graph& graph, SolverWorkspace* w, const SolveOptions& 
 }
 
 Status AnalyzeForSolve(Graph* graph, SolverWorkspace* w, const SolveOptions& options) {
-  const std::int64_t least = Structure::AnalysisBytes(*graph);
-  if (options.memory_limit > 0 && least > options.memory_limit) {
-    return Refuse({"the analysis alone needs ", Megabytes(least), " MB, memory_limit is ",
-                   Megabytes(options.memory_limit), " MB"});
+  const std::int64_t limit = options.memory_limit;
+  if (limit > 0 && Structure::AnalysisBytes(*graph) > limit) {
+    return Refuse({"the analysis alone needs ", Megabytes(Structure::AnalysisBytes(*graph)),
+                   " MB, memory_limit is ", Megabytes(limit), " MB"});
   }
   Status status = w->structure.Analyze(
       graph, {.allow_duplicate_observations = options.allow_duplicate_observations,

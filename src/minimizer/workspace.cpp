@@ -27,6 +27,13 @@ LinearSolver* SolverWorkspace::Solver(const SolveOptions& options, LinearSolverT
   return &dense_cholesky;
 }
 
+SolverWorkspace::Wish SolverWorkspace::AskWhatToStore(LinearSolver* solver) {
+  Wish wish;
+  wish.form = solver->Form(equations.ReducedLayout(structure));
+  if (wish.form == SchurForm::kSomeBlocks) wish.blocks = solver->WantedBlocks();
+  return wish;
+}
+
 void SolvedSystem::Begin(const Structure& structure, const Graph& graph, const Gauge& in_force) {
   is_there = false;
   gauge = in_force;

@@ -153,12 +153,10 @@ Status Problem::SolveLinearSystem(double lambda, const SolveOptions& options) {
   return Guarded(&w, [&]() -> Status {
     if (Status status = ChooseSolver(*this, &w, options, &w.choice); !status.ok()) return status;
     LinearSolver* const solver = w.Solver(options, w.choice.type);
-    solver->UseThreads(&w.threads);
-    const SchurForm form = solver->Form(w.equations.ReducedLayout(w.structure));
-    const std::span<const std::int32_t> wanted =
-        form == SchurForm::kSomeBlocks ? solver->WantedBlocks() : std::span<const std::int32_t>();
+    const LentThreads lent(solver, &w.threads);
+    const SolverWorkspace::Wish wish = w.AskWhatToStore(solver);
     StepFailure failure =
-        w.equations.Eliminate(w.structure, *this, damping, form, &w.threads, wanted);
+        w.equations.Eliminate(w.structure, *this, damping, wish.form, &w.threads, wish.blocks);
     if (!failure.ok()) return failure;
     LinearSolverResult result;
     failure =

@@ -44,8 +44,8 @@ struct LinearSolverResult {
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
-  /// The threads that may be used until the next call; null: none. What is computed must not depend
-  /// on how many there are.
+  /// The threads that may be used until the next call, at the latest the end of the solve; null:
+  /// none. What is computed must not depend on how many there are.
   virtual void UseThreads(ThreadPool* threads) { static_cast<void>(threads); }
   /// What Prepare() and Solve() need to find stored, given all blocks that can be non-zero. Asked
   /// before every elimination: what takes time should be kept by all_blocks.version.

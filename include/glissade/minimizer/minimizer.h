@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "glissade/base/thread_pool.h"
 #include "glissade/graph/graph.h"
 #include "glissade/linear/normal_equations.h"
@@ -50,10 +54,30 @@ struct SolverWorkspace {
 
   /// The user's own solver, or that of a type (ChooseSolver()).
   LinearSolver* Solver(const SolveOptions& options, LinearSolverType type);
+  /// What of S a solver wants to be stored.
+  struct Wish {
+    SchurForm form = SchurForm::kDense;
+    std::span<const std::int32_t> blocks;  ///< of kSomeBlocks
+  };
+  Wish AskWhatToStore(LinearSolver* solver);
   /// After an exception: gives back all memory but the summary's, so that nothing half done is
   /// used again. Restore(), which may throw std::bad_alloc, comes before the next use.
   void Discard() noexcept;
   void Restore();
+};
+
+/// Lends a solver threads, for its scope: a user's solver may live longer than they do.
+class LentThreads {
+ public:
+  LentThreads(LinearSolver* solver, ThreadPool* threads) : solver_(solver) {
+    solver_->UseThreads(threads);
+  }
+  ~LentThreads() { solver_->UseThreads(nullptr); }
+  LentThreads(const LentThreads&) = delete;
+  LentThreads& operator=(const LentThreads&) = delete;
+
+ private:
+  LinearSolver* solver_;
 };
 
 /// Minimizes from the graph's present values, by the method in the options. Leaves the best state

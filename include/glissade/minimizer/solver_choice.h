@@ -10,6 +10,11 @@ namespace glissade {
 
 struct SolverWorkspace;
 
+/// Whether the options leave the choice to the library.
+inline bool ChoosesSolver(const SolveOptions& options) {
+  return options.linear_solver == nullptr && options.linear_solver_type == LinearSolverType::kAuto;
+}
+
 /// Which solver of the reduced system serves options and memory_limit, and what all will take;
 /// after the structure's analysis and NormalEquations::Plan().
 ///
