@@ -14,8 +14,10 @@
 #include "common/sanitized.h"
 #include "glissade/glissade.h"
 #include "glissade/io/bal.h"
+#include "glissade/io/colmap_graph.h"
 #include "glissade/sim/bal_scene.h"
 #include "glissade/sim/city.h"
+#include "support/colmap_scene.h"
 
 namespace glissade {
 namespace {
@@ -48,30 +50,49 @@ SolveOptions OptionsOf(const Solver& solver) {
   return options;
 }
 
-/// losses: Huber on every observation, a camera held and another one's focal length and distortion.
-Problem MakeProblem(const BalProblem& bal, bool with_losses) {
+/// With losses a camera is held, and of another one the focal length.
+Problem MakeBalProblem(const BalProblem& bal, bool with_losses) {
   Problem problem;
   const auto handles = AddToGraph(bal, problem, with_losses ? Loss(Huber{2.0}) : Loss());
   EXPECT_TRUE(handles.ok());
   if (with_losses) {
     EXPECT_TRUE(problem.SetFixed(handles->cameras[1]).ok());
+    EXPECT_TRUE(problem.SetFixedNumbers(handles->cameras[2], 1u << 6).ok());
   }
   return problem;
 }
 
-std::vector<BalProblem> Scenes() {
-  std::vector<BalProblem> scenes;
-  scenes.push_back(sim::MakeBalScene({}).value());
+Problem MakeCityProblem(bool with_losses) {
   sim::CityOptions city;
   city.num_cameras = test::kSanitized ? 20 : 40;
-  scenes.push_back(sim::MakeCity(city).value());
-  return scenes;
+  return MakeBalProblem(sim::MakeCity(city).value(), with_losses);
+}
+
+/// Images that share two cameras, whose principal points are held.
+Problem MakeColmapProblem(bool with_losses) {
+  test::ColmapSceneOptions scene;
+  scene.cameras = {ColmapCameraModel::kSimpleRadial, ColmapCameraModel::kOpenCv};
+  ColmapGraphOptions options;
+  options.fix_first_image = true;
+  if (with_losses) options.loss = Huber{2.0};
+  Problem problem;
+  EXPECT_TRUE(
+      AddToGraph(test::PerturbColmapScene(test::MakeColmapScene(scene, 3), 4), problem, options)
+          .ok());
+  return problem;
+}
+
+std::vector<Problem> MakeProblems(bool with_losses) {
+  std::vector<Problem> problems;
+  problems.push_back(MakeBalProblem(sim::MakeBalScene({}).value(), with_losses));
+  problems.push_back(MakeCityProblem(with_losses));
+  problems.push_back(MakeColmapProblem(with_losses));
+  return problems;
 }
 
 TEST(ReducedSolvers, ComputeTheSameStep) {
-  for (const BalProblem& scene : Scenes()) {
-    for (const bool with_losses : {false, true}) {
-      Problem problem = MakeProblem(scene, with_losses);
+  for (const bool with_losses : {false, true}) {
+    for (Problem& problem : MakeProblems(with_losses)) {
       ASSERT_TRUE(problem.MakeHessian().ok());
       Eigen::VectorXd reference;
       for (const Solver& solver : kSolvers) {
@@ -87,9 +108,8 @@ TEST(ReducedSolvers, ComputeTheSameStep) {
 }
 
 TEST(ReducedSolvers, ReachTheSameOptimum) {
-  for (const BalProblem& scene : Scenes()) {
-    for (const bool with_losses : {false, true}) {
-      const Problem original = MakeProblem(scene, with_losses);
+  for (const bool with_losses : {false, true}) {
+    for (const Problem& original : MakeProblems(with_losses)) {
       double reference = 0.0;
       for (const Solver& solver : kSolvers) {
         if (solver.preconditioner == Preconditioner::kJacobi) continue;  // slow
@@ -107,8 +127,7 @@ TEST(ReducedSolvers, ReachTheSameOptimum) {
 }
 
 TEST(ReducedSolvers, ThreadsChangeNoBit) {
-  const BalProblem scene = Scenes().back();
-  const Problem original = MakeProblem(scene, true);
+  const Problem original = MakeCityProblem(true);
   for (const Solver& solver : kSolvers) {
     if (solver.preconditioner == Preconditioner::kJacobi) continue;
     std::vector<double> first;
