@@ -104,6 +104,7 @@ function(glissade_drop_ceres_sources out)
 endfunction()
 
 # Links the libraries that exist in this build: the core always, io and the Ceres bridge if built.
+# Not vision: every program would load OpenCV.
 function(glissade_link_all target)
   target_link_libraries(${target} PRIVATE glissade::glissade)
   if(TARGET glissade_io)

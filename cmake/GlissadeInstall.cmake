@@ -21,6 +21,7 @@ endfunction()
 
 glissade_install_library(glissade core)
 glissade_install_library(glissade_io io)
+glissade_install_library(glissade_vision vision)
 glissade_install_library(glissade_ceres ceres_bridge)
 
 if(EXISTS "${PROJECT_SOURCE_DIR}/include/glissade")

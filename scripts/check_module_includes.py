@@ -16,7 +16,7 @@ import sys
 # for tests and users, no module may lean on it.
 MODULES = (
     "base lie kernels vertices eval losses cameras edges lanes graph structure linear gauge "
-    "minimizer marginal covariance problem imu window io sim bridge testing"
+    "minimizer marginal covariance problem imu window io sim vision bridge testing"
 ).split()
 
 # Headers that define types and macros only, and declarations of C functions.
