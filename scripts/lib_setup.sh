@@ -28,7 +28,7 @@ packages_build=(g++ cmake make libeigen3-dev)
 packages_app=(libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libbz2-dev)
 packages_test=(libgtest-dev libgmock-dev libbenchmark-dev python3)
 # Nice to have: without them the parts that need them are skipped, with a message.
-packages_optional=(libceres-dev libmetis-dev python3-venv
+packages_optional=(libceres-dev libmetis-dev python3-venv chromium
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-video-dev libyaml-cpp-dev)
 
 # Tools count as there wherever they come from; libraries are asked for by package.
@@ -36,7 +36,7 @@ package_is_here() {
   case $1 in
     g++) command -v c++ || command -v g++ || command -v clang++ || [[ -n ${CXX:-} ]] ;;
     make) command -v make || command -v ninja ;;
-    cmake | python3 | git | clang-format) command -v "$1" ;;
+    cmake | python3 | git | clang-format | chromium) command -v "$1" ;;
     binutils) command -v nm && command -v objdump ;;
     *) [[ $(dpkg-query -W -f='${Status}' "$1" 2>/dev/null) == "install ok installed" ]] ;;
   esac >/dev/null
@@ -116,6 +116,23 @@ need_evo() {
     say "could not install evo: going on without the test that compares with it"
   fi
   rm -f "$log"
+}
+
+# need_plotly: plotly.min.js of pypi.org/project/plotly, which the report of a run is drawn with, in
+# build/plotly, where CMake looks for it. Goes on without where it cannot be had.
+need_plotly() {
+  local folder=build/plotly work
+  if [[ -f $folder/plotly.min.js || -n ${GLISSADE_NO_INSTALL:-} ]]; then return 0; fi
+  say "fetching plotly.js to $folder"
+  work=$(mktemp -d)
+  if ! { python3 -m venv "$work/venv" && timeout 120 "$work/venv/bin/python" -m pip download -q --no-deps \
+    --only-binary :all: --disable-pip-version-check -d "$work" plotly &&
+    python3 -m zipfile -e "$work"/plotly-*.whl "$work/wheel" && mkdir -p "$folder" &&
+    mv "$work/wheel/plotly/package_data/plotly.min.js" "$folder"; } >"$work/log" 2>&1 </dev/null; then
+    tail -n 3 "$work/log" >&2
+    say "could not fetch plotly.js: going on without reports of runs"
+  fi
+  rm -rf "$work"
 }
 
 # configure PRESET [CMAKE ARGUMENT...]: prints only what a user should know.

@@ -10,7 +10,9 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib_setup.sh"
 
 need_packages "${packages_build[@]}" "${packages_app[@]}" "${packages_test[@]}"
 need_packages --optional "${packages_optional[@]}"
+need_packages --optional "${packages_browser[@]}"
 need_evo
+need_plotly
 # shellcheck disable=SC2086
 configure release -DGLISSADE_BUILD_TESTS=ON -DGLISSADE_BUILD_APPS=ON ${GLISSADE_CMAKE_ARGS:-}
 say "building everything with $jobs jobs"
