@@ -131,9 +131,7 @@ Outcome Run(Settings& settings) {
   const auto recording = ReadViotracks(settings.folder);
   if (!recording.ok()) return BadInput(recording.status());
   ReplaySettings& replay = settings.replay;
-  replay.first_estimates = settings.first_estimates == "off"     ? FirstEstimates::kOff
-                           : settings.first_estimates == "prior" ? FirstEstimates::kPriorOnly
-                                                                 : FirstEstimates::kFull;
+  replay.first_estimates = ParseFirstEstimates(settings.first_estimates);
   replay.covariance = settings.consistency || !settings.states.empty();
   replay.observations = settings.batch;
   const auto window = WindowOptions(*recording, replay);

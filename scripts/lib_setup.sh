@@ -28,8 +28,10 @@ packages_build=(g++ cmake make libeigen3-dev)
 packages_app=(libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libbz2-dev)
 packages_test=(libgtest-dev libgmock-dev libbenchmark-dev python3)
 # Nice to have: without them the parts that need them are skipped, with a message.
-packages_optional=(libceres-dev libmetis-dev python3-venv chromium
+packages_optional=(libceres-dev libmetis-dev python3-venv
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-video-dev libyaml-cpp-dev)
+# Asked for apart: it is no package of Ubuntu, and one missing name is enough for apt to refuse all.
+packages_browser=(chromium)
 
 # Tools count as there wherever they come from; libraries are asked for by package.
 package_is_here() {

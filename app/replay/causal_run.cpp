@@ -53,13 +53,6 @@ class PolicyWithClock : public WindowPolicy {
   double asked_ms_ = kNaN, asked_wall_ms_ = kNaN;
 };
 
-std::shared_ptr<WindowPolicy> MakePolicy(const ReplaySettings& s) {
-  if (s.policy == "vins") return std::make_shared<TwoWayPolicy>(s.frames + s.keyframes);
-  if (s.policy == "basalt") return std::make_shared<LeastSeenKeyframePolicy>(s.frames, s.keyframes);
-  if (s.policy == "lag") return std::make_shared<FixedLagPolicy>(s.lag_s);
-  return std::make_shared<OkvisPolicy>(s.frames, s.keyframes);
-}
-
 /// Observations in a window's graph, by the recording's frames.
 std::set<ObservationKey> InGraph(const WindowView& view,
                                  const std::map<std::int64_t, std::size_t>& frame_of_stamp) {
@@ -114,13 +107,14 @@ bool IsFinite(const WindowState& state) {
   return std::isfinite(sum);
 }
 
-class Runner {
+}  // namespace
+
+class CausalRunner::Impl {
  public:
-  Runner(const Viotracks& recording, const ReplaySettings& settings, SlidingWindowOptions options)
+  Impl(const RunSettings& settings, SlidingWindowOptions options, std::int64_t first_stamp_ns)
       : settings_(settings),
         has_imu_(options.imu_noise.has_value()),
-        first_stamp_ns_(recording.frames.front().stamp_ns +
-                        std::llround(1e9 * settings.time_offset_s)),
+        first_stamp_ns_(first_stamp_ns),
         policy_(std::make_shared<PolicyWithClock>(options.policy, settings.wall_clock)),
         window_(WithPolicy(std::move(options), policy_)) {}
 
@@ -147,6 +141,9 @@ class Runner {
     }
     Read(delivery);
   }
+
+  [[nodiscard]] const SlidingWindow& window() const { return window_; }
+  [[nodiscard]] const CausalRun& run() const { return run_; }
 
   CausalRun Finish() {
     // All that was allocated since, but for what a run remembers.
@@ -237,7 +234,7 @@ class Runner {
       estimate->sigmas[k] = std::sqrt(std::max(0.0, covariance[k * n + k]));
   }
 
-  const ReplaySettings& settings_;
+  RunSettings settings_;
   double allocated_before_ = AllocatedBytes();
   bool has_imu_;
   std::int64_t first_stamp_ns_;
@@ -247,7 +244,26 @@ class Runner {
   CausalRun run_;
 };
 
-}  // namespace
+CausalRunner::CausalRunner(const RunSettings& settings, SlidingWindowOptions options,
+                           std::int64_t first_stamp_ns)
+    : impl_(std::make_unique<Impl>(settings, std::move(options), first_stamp_ns)) {}
+CausalRunner::~CausalRunner() = default;
+void CausalRunner::Deliver(const Delivery& delivery) { impl_->Deliver(delivery); }
+const SlidingWindow& CausalRunner::window() const { return impl_->window(); }
+const CausalRun& CausalRunner::run() const { return impl_->run(); }
+CausalRun CausalRunner::Finish() { return impl_->Finish(); }
+
+FirstEstimates ParseFirstEstimates(const std::string& word) {
+  if (word == "off") return FirstEstimates::kOff;
+  return word == "prior" ? FirstEstimates::kPriorOnly : FirstEstimates::kFull;
+}
+
+std::shared_ptr<WindowPolicy> MakePolicy(const WindowSettings& s) {
+  if (s.policy == "vins") return std::make_shared<TwoWayPolicy>(s.frames + s.keyframes);
+  if (s.policy == "basalt") return std::make_shared<LeastSeenKeyframePolicy>(s.frames, s.keyframes);
+  if (s.policy == "lag") return std::make_shared<FixedLagPolicy>(s.lag_s);
+  return std::make_shared<OkvisPolicy>(s.frames, s.keyframes);
+}
 
 Result<SlidingWindowOptions> WindowOptions(const Viotracks& recording,
                                            const ReplaySettings& settings) {
@@ -279,7 +295,9 @@ Result<CausalRun> RunCausal(const Viotracks& recording, const ReplaySettings& se
   if (!options.ok()) return options.status();
   const Viotracks faulty = WithImuFaults(recording, settings.faults);
   const std::size_t num_cameras = options->cameras.size();
-  Runner runner(recording, settings, std::move(options).value());
+  CausalRunner runner(
+      settings, std::move(options).value(),
+      recording.frames.front().stamp_ns + std::llround(1e9 * settings.time_offset_s));
   FaultyReplay replay(faulty, {.num_cameras = num_cameras, .time_offset_s = settings.time_offset_s},
                       settings.faults);
   while (const Delivery* delivery = replay.Next()) {

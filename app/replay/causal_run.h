@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,20 +17,32 @@
 
 namespace glissade::app {
 
-struct ReplaySettings {
-  std::string policy = "okvis";
-  int frames = 3;     ///< S
-  int keyframes = 7;  ///< M
-  double lag_s = 1.0;
-  bool mono = false, no_imu = false;
-  FirstEstimates first_estimates = FirstEstimates::kFull;
-  double time_offset_s = 0.0;
+/// How a window is run, whatever its frames come from.
+struct RunSettings {
   WindowBudget budget;
-  std::vector<Fault> faults;
   bool covariance = false;    ///< of every newest state
   bool observations = false;  ///< remember which were taken out
   bool wall_clock = false;    ///< times of the clock on the wall instead of the thread's own
 };
+
+/// Which window.
+struct WindowSettings {
+  std::string policy = "okvis";
+  int frames = 3;     ///< S
+  int keyframes = 7;  ///< M
+  double lag_s = 1.0;
+  FirstEstimates first_estimates = FirstEstimates::kFull;
+};
+
+struct ReplaySettings : RunSettings, WindowSettings {
+  bool mono = false, no_imu = false;
+  double time_offset_s = 0.0;
+  std::vector<Fault> faults;
+};
+
+/// Off, prior or full.
+FirstEstimates ParseFirstEstimates(const std::string& word);
+std::shared_ptr<WindowPolicy> MakePolicy(const WindowSettings& settings);
 
 /// The options of a window for a recording; refused where they make no sense for it.
 Result<SlidingWindowOptions> WindowOptions(const Viotracks& recording,
@@ -77,6 +90,27 @@ struct CausalRun {
   std::string first_refusal;                  ///< of a frame or a solve; empty: none
   std::optional<double> initialized_at_s;     ///< after the first frame
   std::vector<ObservationKey> rejected_keys;  ///< sorted; with ReplaySettings::observations
+};
+
+/// Hands frames to a window one by one, and notes what it said right after each.
+class CausalRunner {
+ public:
+  CausalRunner(const RunSettings& settings, SlidingWindowOptions options,
+               std::int64_t first_stamp_ns);
+  ~CausalRunner();
+  CausalRunner(const CausalRunner&) = delete;
+  CausalRunner& operator=(const CausalRunner&) = delete;
+
+  /// Samples, then the frame. What is refused is counted and remembered.
+  void Deliver(const Delivery& delivery);
+  [[nodiscard]] const SlidingWindow& window() const;
+  /// What there is until now.
+  [[nodiscard]] const CausalRun& run() const;
+  CausalRun Finish();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// Called after each frame.

@@ -1,0 +1,262 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "run/run_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <vector>
+
+#include "common/output_file.h"
+#include "common/version.h"
+#include "glissade/eval/alignment.h"
+#include "glissade/eval/association.h"
+#include "glissade/eval/statistics.h"
+#include "run/report_page.h"
+
+namespace glissade::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Stage {
+  const char* name;
+  std::vector<double> ms;  // of each frame
+};
+
+std::vector<Stage> StagesOf(const VioSession& session) {
+  using vision::TrackerReport;
+  std::vector<Stage> stages;
+  for (const auto& [name, member] :
+       {std::pair{"contrast", &TrackerReport::contrast_ms},
+        {"track", &TrackerReport::track_ms},
+        {"reject", &TrackerReport::reject_ms},
+        {"detect", &TrackerReport::detect_ms},
+        {"stereo", &TrackerReport::stereo_ms}}) {
+    Stage& stage = stages.emplace_back(Stage{name, {}});
+    for (const VisionFrame& f : session.frames())
+      stage.ms.push_back(f.report.*member);
+  }
+  Stage& window = stages.emplace_back(Stage{"window", {}});
+  for (const VisionFrame& f : session.frames())
+    window.ms.push_back(f.window_ms);
+  if (session.tracker().cameras().size() < 2) std::erase_if(stages, [](const Stage& s) {
+    return std::string_view(s.name) == "stereo";
+  });
+  return stages;
+}
+
+std::vector<double> Totals(const VioSession& session) {
+  std::vector<double> totals;
+  for (const VisionFrame& f : session.frames())
+    totals.push_back(f.report.total_ms() + f.window_ms);
+  return totals;
+}
+
+Json Quantiles(const std::vector<double>& ms) {
+  return {{"median", eval::Quantile(ms, 0.5)},
+          {"p99", eval::Quantile(ms, 0.99)},
+          {"max", eval::Quantile(ms, 1.0)}};
+}
+
+double Mean(const VioSession& session, int VisionFrame::*member) {
+  double sum = 0.0;
+  for (const VisionFrame& f : session.frames())
+    sum += f.*member;
+  return session.frames().empty() ? 0.0 : sum / static_cast<double>(session.frames().size());
+}
+
+double MeanOf(const VioSession& session, int vision::TrackerReport::*member) {
+  double sum = 0.0;
+  for (const VisionFrame& f : session.frames())
+    sum += f.report.*member;
+  return session.frames().empty() ? 0.0 : sum / static_cast<double>(session.frames().size());
+}
+
+/// Rounded: a page does not need 17 digits.
+Json Rounded(std::span<const double> values, double step) {
+  Json out = Json::array();
+  for (const double x : values)
+    out.push_back(std::isfinite(x) ? Json(step * std::round(x / step)) : Json(nullptr));
+  return out;
+}
+
+Json StatesOf(const ReportInput& in) {
+  Json s = {{"t", Json::array()}, {"p", Json::array()}, {"q", Json::array()}};
+  if (in.run.estimates.empty()) return s;
+  const auto first = in.session.tracks().ground_truth;
+  for (const FrameEstimate& e : in.run.estimates) {
+    const auto frame =
+        std::lower_bound(in.session.frames().begin(), in.session.frames().end(), e.frame,
+                         [](const VisionFrame& f, std::size_t k) { return f.frame < k; });
+    s["t"].push_back(frame == in.session.frames().end() ? 0.0 : frame->t);
+    const std::span<const double> pose(e.state.T_w_b.data);
+    s["p"].push_back(Rounded(pose.first(3), 1e-4));
+    s["q"].push_back(Rounded(pose.subspan(3, 4), 1e-6));
+    const std::span<const double> sigmas(e.sigmas);
+    s["sigma_p"].push_back(Rounded(sigmas.first(3), 1e-5));
+    if (!in.has_imu) continue;
+    const std::span<const double> speed(e.state.speed_bias.data);
+    s["v"].push_back(Rounded(speed.first(3), 1e-4));
+    s["ba"].push_back(Rounded(speed.subspan(3, 3), 1e-5));
+    s["bg"].push_back(Rounded(speed.subspan(6, 3), 1e-6));
+    s["sigma_v"].push_back(Rounded(sigmas.subspan(6, 3), 1e-5));
+    s["sigma_ba"].push_back(Rounded(sigmas.subspan(9, 3), 1e-6));
+    s["sigma_bg"].push_back(Rounded(sigmas.subspan(12, 3), 1e-7));
+  }
+  return s;
+}
+
+/// The truth where the estimate is, moved onto it.
+Json TruthOf(const ReportInput& in) {
+  const auto& truth = in.session.tracks();
+  if (truth.ground_truth.empty() || in.run.estimates.size() < 3) return nullptr;
+  const auto matched = eval::Associate(TrajectoryOf(in.run), ReferenceOf(truth));
+  if (!matched.ok()) return nullptr;
+  const auto kind = in.has_imu ? eval::AlignmentKind::kYaw : eval::AlignmentKind::kSe3;
+  const auto alignment = eval::Align(*matched, {.kind = kind});
+  if (!alignment.ok()) return nullptr;
+  const Pose T_e_r = alignment->T_r_e.Inverse();
+  const auto zero = in.run.estimates.front();
+  const auto frame =
+      std::find_if(in.session.frames().begin(), in.session.frames().end(),
+                   [&](const VisionFrame& f) { return f.frame == zero.frame; });
+  const double t0 = frame == in.session.frames().end() ? 0.0 : frame->t;
+  Json out = {{"t", Json::array()}, {"p", Json::array()}};
+  for (const eval::StampedPose& pose : matched->reference) {
+    out["t"].push_back(t0 + 1e-9 * static_cast<double>(pose.stamp_ns - zero.state.stamp_ns));
+    const Vector3 p = T_e_r * Vector3(pose.T_w_b.p());
+    out["p"].push_back(Rounded({p.data(), 3}, 1e-4));
+  }
+  return out;
+}
+
+Json ThumbnailsOf(const VioSession& session) {
+  Json out = Json::array();
+  for (const Thumbnail& t : session.thumbnails()) {
+    Json tracks = Json::array();
+    for (const Thumbnail::Tail& tail : t.tails) {
+      Json px = Json::array();
+      for (const auto& p : tail.px) {
+        px.push_back(0.1 * std::round(10.0 * static_cast<double>(p[0])));
+        px.push_back(0.1 * std::round(10.0 * static_cast<double>(p[1])));
+      }
+      tracks.push_back({tail.age, std::move(px)});
+    }
+    out.push_back({{"t", t.t},
+                   {"width", t.width},
+                   {"height", t.height},
+                   {"scale", 1.0 / t.shrink},
+                   {"jpeg", ToBase64({reinterpret_cast<const char*>(t.jpeg.data()), t.jpeg.size()})},
+                   {"tracks", std::move(tracks)}});
+  }
+  return out;
+}
+
+}  // namespace
+
+void PrintSession(const VioSession& session) {
+  const auto totals = Totals(session);
+  Print("\n{:<10}{:>10}{:>10}{:>10}  ms of each frame, images decoded\n", "", "median", "p99",
+        "max");
+  for (const Stage& stage : StagesOf(session)) {
+    Print("{:<10}{:>10.3f}{:>10.3f}{:>10.3f}\n", stage.name, eval::Quantile(stage.ms, 0.5),
+          eval::Quantile(stage.ms, 0.99), eval::Quantile(stage.ms, 1.0));
+  }
+  Print("{:<10}{:>10.3f}{:>10.3f}{:>10.3f}\n", "all", eval::Quantile(totals, 0.5),
+        eval::Quantile(totals, 0.99), eval::Quantile(totals, 1.0));
+  Print("\nfeatures: {:.1f} a frame; {:.1f} lost, {:.1f} off their epipolar lines, {:.1f} new\n",
+        Mean(session, &VisionFrame::features), MeanOf(session, &vision::TrackerReport::lost),
+        MeanOf(session, &vision::TrackerReport::rejected),
+        MeanOf(session, &vision::TrackerReport::detected));
+  constexpr std::size_t kMost = 30;
+  for (std::size_t k = 0; k < std::min(kMost, session.events().size()); ++k) {
+    const RunEvent& e = session.events()[k];
+    Print("{:>9.2f} s  {}{}\n", e.t, e.what,
+          e.frames > 1 ? fmt::format(" ({} frames)", e.frames) : "");
+  }
+  if (session.events().size() > kMost) {
+    Print("           and {} more (--json has them all)\n", session.events().size() - kMost);
+  }
+}
+
+Json SessionJson(const VioSession& session, std::int64_t dropped) {
+  Json j;
+  j["frames_dropped"] = dropped;
+  j["features_mean"] = Mean(session, &VisionFrame::features);
+  j["stereo_mean"] = MeanOf(session, &vision::TrackerReport::stereo);
+  j["lost_mean"] = MeanOf(session, &vision::TrackerReport::lost);
+  j["rejected_mean"] = MeanOf(session, &vision::TrackerReport::rejected);
+  j["stages_ms"] = Json::object();
+  for (const Stage& stage : StagesOf(session))
+    j["stages_ms"][stage.name] = Quantiles(stage.ms);
+  j["stages_ms"]["all"] = Quantiles(Totals(session));
+  std::vector<double> decode;
+  for (const VisionFrame& f : session.frames())
+    decode.push_back(f.decode_ms);
+  j["decode_ms"] = Quantiles(decode);
+  j["events"] = Json::array();
+  for (const RunEvent& e : session.events())
+    j["events"].push_back({{"t", e.t}, {"what", e.what}, {"frames", e.frames}});
+  return j;
+}
+
+Json ReportData(const ReportInput& in) {
+  Json data;
+  data["title"] = in.title;
+  data["origin"] = in.origin;
+  data["app_version"] = VersionText("vio_run");
+  data["figures"] = in.figures;
+  data["sigma_meaning"] = "seen from the window's oldest frame";
+  const auto& frames = in.session.frames();
+  if (frames.size() > 1) {
+    data["camera_period_ms"] =
+        1e3 * (frames.back().t - frames.front().t) / static_cast<double>(frames.size() - 1);
+  }
+  data["states"] = StatesOf(in);
+  if (Json truth = TruthOf(in); !truth.is_null()) data["truth"] = std::move(truth);
+  for (const auto& [track, p] : in.session.landmarks())
+    data["landmarks"].push_back(Rounded({p.data(), 3}, 1e-3));
+  Json t = Json::array(), count = Json::array(), age = Json::array();
+  for (const VisionFrame& f : frames) {
+    t.push_back(f.t);
+    count.push_back(f.features);
+    age.push_back(f.report.median_age);
+  }
+  Json names = Json::array(), ms = Json::array();
+  for (const Stage& stage : StagesOf(in.session)) {
+    names.push_back(stage.name);
+    ms.push_back(Rounded(stage.ms, 1e-3));
+  }
+  data["stages"] = {{"t", t}, {"names", names}, {"ms", ms}, {"total", Rounded(Totals(in.session), 1e-3)}};
+  data["features"] = {{"t", t}, {"count", count}, {"age", age}};
+  for (const RunEvent& e : in.session.events()) {
+    data["events"].push_back({{"t", e.t}, {"what", e.what}, {"count", e.frames}});
+    data["event_counts"][e.what] = data["event_counts"].value(e.what, 0) + e.frames;
+  }
+  data["thumbnails"] = ThumbnailsOf(in.session);
+  return data;
+}
+
+std::string RerunLine(const VioSession& session, const std::string& image) {
+  Json j;
+  j["t"] = session.frames().back().t;
+  if (session.frames().back().running) {
+    const Pose& T = session.window().newest().T_w_b;
+    j["p"] = {T.data[0], T.data[1], T.data[2]};
+    j["q"] = {T.data[3], T.data[4], T.data[5], T.data[6]};
+    for (const auto& entry : session.landmarks())
+      j["landmarks"].push_back(Rounded({entry.second.data(), 3}, 1e-3));
+  }
+  for (const vision::Feature& f : session.tracker().features())
+    if (f.camera == 0) j["features"].push_back({f.px[0], f.px[1], f.age});
+  j["image"] = image;
+  return j.dump() + "\n";
+}
+
+}  // namespace glissade::app
