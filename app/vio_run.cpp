@@ -71,10 +71,12 @@ void AddOptions(Program& program, Settings& s) {
   cli.add_option("DIR", s.folder, "Folder of a recording of images");
   cli.add_flag("--mono", s.mono, "The first camera only");
   cli.add_option("--config", s.config, "Settings (YAML); see --print-config")->type_name("FILE");
-  cli.add_flag("--print-config", s.print_config, "Print all settings with what they mean, and exit");
+  cli.add_flag("--print-config", s.print_config,
+               "Print all settings with what they mean, and exit");
   AddNumber(cli, "--start", &s.source.start_s, 0.0, 1e9, "Begin so many s later (default 0)");
   AddNumber(cli, "--seconds", &s.source.seconds, 0.0, 1e9, "And end after so many (default: all)");
-  cli.add_flag("--realtime", s.source.realtime, "At the pace of the camera, losing frames like one");
+  cli.add_flag("--realtime", s.source.realtime,
+               "At the pace of the camera, losing frames like one");
   cli.add_option_function<std::vector<std::string>>(
          "--fault",
          [&s](const std::vector<std::string>& texts) {
@@ -228,9 +230,9 @@ Outcome Run(Settings& s) {
   if (!stopped.ok()) return Failed(stopped);
   if (!run.initialized_at_s && !Interrupted()) {
     const InitVerdict& verdict = session.window().init_verdict();
-    return Failed({StatusCode::kEvaluationFailed,
-                   s.folder + ": the window found no first state" +
-                       (verdict.ok() ? "" : ": " + verdict.message)});
+    return Failed(
+        {StatusCode::kEvaluationFailed, s.folder + ": the window found no first state" +
+                                            (verdict.ok() ? "" : ": " + verdict.message)});
   }
   return {};
 }

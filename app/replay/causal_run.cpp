@@ -248,10 +248,18 @@ CausalRunner::CausalRunner(const RunSettings& settings, SlidingWindowOptions opt
                            std::int64_t first_stamp_ns)
     : impl_(std::make_unique<Impl>(settings, std::move(options), first_stamp_ns)) {}
 CausalRunner::~CausalRunner() = default;
-void CausalRunner::Deliver(const Delivery& delivery) { impl_->Deliver(delivery); }
-const SlidingWindow& CausalRunner::window() const { return impl_->window(); }
-const CausalRun& CausalRunner::run() const { return impl_->run(); }
-CausalRun CausalRunner::Finish() { return impl_->Finish(); }
+void CausalRunner::Deliver(const Delivery& delivery) {
+  impl_->Deliver(delivery);
+}
+const SlidingWindow& CausalRunner::window() const {
+  return impl_->window();
+}
+const CausalRun& CausalRunner::run() const {
+  return impl_->run();
+}
+CausalRun CausalRunner::Finish() {
+  return impl_->Finish();
+}
 
 FirstEstimates ParseFirstEstimates(const std::string& word) {
   if (word == "off") return FirstEstimates::kOff;

@@ -15,9 +15,9 @@ namespace glissade::app {
 namespace {
 
 constexpr std::pair<const char*, ImageFaultKind> kFaults[] = {
-    {"dropped", ImageFaultKind::kDropped},   {"repeated", ImageFaultKind::kRepeated},
+    {"dropped", ImageFaultKind::kDropped},         {"repeated", ImageFaultKind::kRepeated},
     {"out-of-order", ImageFaultKind::kOutOfOrder}, {"black", ImageFaultKind::kBlack},
-    {"bright", ImageFaultKind::kBright},     {"blurred", ImageFaultKind::kBlurred},
+    {"bright", ImageFaultKind::kBright},           {"blurred", ImageFaultKind::kBlurred},
     {"covered", ImageFaultKind::kCovered}};
 
 /// Averages of 60 px along the rows: what a camera sees that turns while its shutter is open.
@@ -51,7 +51,8 @@ Result<ImageFault> ParseImageFault(const std::string& text) {
     ImageFault fault{kind};
     int used = 0;
     if (at == std::string::npos ||
-        std::sscanf(text.c_str() + at + 1, "%lf..%lf%n", &fault.begin_s, &fault.end_s, &used) != 2 ||
+        std::sscanf(text.c_str() + at + 1, "%lf..%lf%n", &fault.begin_s, &fault.end_s, &used) !=
+            2 ||
         text.size() != at + 1 + static_cast<std::size_t>(used) ||
         !(fault.begin_s >= 0.0 && fault.end_s > fault.begin_s && fault.end_s < 1e9)) {
       return refused("expected KIND@T..T, in seconds, the second one later");

@@ -32,12 +32,11 @@ struct Stage {
 std::vector<Stage> StagesOf(const VioSession& session) {
   using vision::TrackerReport;
   std::vector<Stage> stages;
-  for (const auto& [name, member] :
-       {std::pair{"contrast", &TrackerReport::contrast_ms},
-        {"track", &TrackerReport::track_ms},
-        {"reject", &TrackerReport::reject_ms},
-        {"detect", &TrackerReport::detect_ms},
-        {"stereo", &TrackerReport::stereo_ms}}) {
+  for (const auto& [name, member] : {std::pair{"contrast", &TrackerReport::contrast_ms},
+                                     {"track", &TrackerReport::track_ms},
+                                     {"reject", &TrackerReport::reject_ms},
+                                     {"detect", &TrackerReport::detect_ms},
+                                     {"stereo", &TrackerReport::stereo_ms}}) {
     Stage& stage = stages.emplace_back(Stage{name, {}});
     for (const VisionFrame& f : session.frames())
       stage.ms.push_back(f.report.*member);
@@ -45,9 +44,8 @@ std::vector<Stage> StagesOf(const VioSession& session) {
   Stage& window = stages.emplace_back(Stage{"window", {}});
   for (const VisionFrame& f : session.frames())
     window.ms.push_back(f.window_ms);
-  if (session.tracker().cameras().size() < 2) std::erase_if(stages, [](const Stage& s) {
-    return std::string_view(s.name) == "stereo";
-  });
+  if (session.tracker().cameras().size() < 2)
+    std::erase_if(stages, [](const Stage& s) { return std::string_view(s.name) == "stereo"; });
   return stages;
 }
 
@@ -89,7 +87,6 @@ Json Rounded(std::span<const double> values, double step) {
 Json StatesOf(const ReportInput& in) {
   Json s = {{"t", Json::array()}, {"p", Json::array()}, {"q", Json::array()}};
   if (in.run.estimates.empty()) return s;
-  const auto first = in.session.tracks().ground_truth;
   for (const FrameEstimate& e : in.run.estimates) {
     const auto frame =
         std::lower_bound(in.session.frames().begin(), in.session.frames().end(), e.frame,
@@ -123,9 +120,8 @@ Json TruthOf(const ReportInput& in) {
   if (!alignment.ok()) return nullptr;
   const Pose T_e_r = alignment->T_r_e.Inverse();
   const auto zero = in.run.estimates.front();
-  const auto frame =
-      std::find_if(in.session.frames().begin(), in.session.frames().end(),
-                   [&](const VisionFrame& f) { return f.frame == zero.frame; });
+  const auto frame = std::find_if(in.session.frames().begin(), in.session.frames().end(),
+                                  [&](const VisionFrame& f) { return f.frame == zero.frame; });
   const double t0 = frame == in.session.frames().end() ? 0.0 : frame->t;
   Json out = {{"t", Json::array()}, {"p", Json::array()}};
   for (const eval::StampedPose& pose : matched->reference) {
@@ -148,12 +144,13 @@ Json ThumbnailsOf(const VioSession& session) {
       }
       tracks.push_back({tail.age, std::move(px)});
     }
-    out.push_back({{"t", t.t},
-                   {"width", t.width},
-                   {"height", t.height},
-                   {"scale", 1.0 / t.shrink},
-                   {"jpeg", ToBase64({reinterpret_cast<const char*>(t.jpeg.data()), t.jpeg.size()})},
-                   {"tracks", std::move(tracks)}});
+    out.push_back(
+        {{"t", t.t},
+         {"width", t.width},
+         {"height", t.height},
+         {"scale", 1.0 / t.shrink},
+         {"jpeg", ToBase64({reinterpret_cast<const char*>(t.jpeg.data()), t.jpeg.size()})},
+         {"tracks", std::move(tracks)}});
   }
   return out;
 }
@@ -220,6 +217,7 @@ Json ReportData(const ReportInput& in) {
   }
   data["states"] = StatesOf(in);
   if (Json truth = TruthOf(in); !truth.is_null()) data["truth"] = std::move(truth);
+  data["landmarks"] = Json::array();
   for (const auto& [track, p] : in.session.landmarks())
     data["landmarks"].push_back(Rounded({p.data(), 3}, 1e-3));
   Json t = Json::array(), count = Json::array(), age = Json::array();
@@ -233,8 +231,11 @@ Json ReportData(const ReportInput& in) {
     names.push_back(stage.name);
     ms.push_back(Rounded(stage.ms, 1e-3));
   }
-  data["stages"] = {{"t", t}, {"names", names}, {"ms", ms}, {"total", Rounded(Totals(in.session), 1e-3)}};
+  data["stages"] = {
+      {"t", t}, {"names", names}, {"ms", ms}, {"total", Rounded(Totals(in.session), 1e-3)}};
   data["features"] = {{"t", t}, {"count", count}, {"age", age}};
+  data["events"] = Json::array();
+  data["event_counts"] = Json::object();
   for (const RunEvent& e : in.session.events()) {
     data["events"].push_back({{"t", e.t}, {"what", e.what}, {"count", e.frames}});
     data["event_counts"][e.what] = data["event_counts"].value(e.what, 0) + e.frames;

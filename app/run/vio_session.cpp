@@ -32,9 +32,9 @@ vision::TrackerOptions TrackerOptionsOf(const RunConfig& config) {
 
 /// Those of a window's events that are worth a line in a log.
 constexpr WindowEvent kToldEvents[] = {
-    WindowEvent::kInitialized, WindowEvent::kFrameWithoutLandmarks, WindowEvent::kImuGap,
-    WindowEvent::kImuSaturated, WindowEvent::kStandingStill, WindowEvent::kSolveFailed,
-    WindowEvent::kReset, WindowEvent::kFrameRefused};
+    WindowEvent::kInitialized,  WindowEvent::kFrameWithoutLandmarks, WindowEvent::kImuGap,
+    WindowEvent::kImuSaturated, WindowEvent::kStandingStill,         WindowEvent::kSolveFailed,
+    WindowEvent::kReset,        WindowEvent::kFrameRefused};
 
 }  // namespace
 
@@ -93,8 +93,7 @@ void VioSession::Take(const SourceFrame& source) {
   frame.frame = source.index;
   frame.t = 1e-9 * static_cast<double>(delivery.stamp_ns - first_stamp_ns_);
   frame.decode_ms = source.decode_ms;
-  const Status tracked =
-      tracker_.Track(delivery.stamp_ns, source.views(), turn, &frame.report);
+  const Status tracked = tracker_.Track(delivery.stamp_ns, source.views(), turn, &frame.report);
   if (tracked.ok()) {
     const auto observations = tracker_.observations();
     delivery.observations.assign(observations.begin(), observations.end());

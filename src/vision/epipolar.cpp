@@ -113,9 +113,9 @@ double EpipolarDistance(const TwoViews& views, const Match& match) {
   return std::abs(e) / norm;
 }
 
-int FitMatches(const std::vector<Match>& matches, const Matrix3& R_a_b, double max_turn_error,
-               double tolerance, std::vector<unsigned char>* fits, TwoViews* views) {
-  views->R_a_b = R_a_b;
+int FitMatches(const std::vector<Match>& matches, double max_turn_error, double tolerance,
+               TwoViews* views, std::vector<unsigned char>* fits) {
+  const Matrix3 R_a_b = views->R_a_b;
   views->t_a = Vector3(0.0, 0.0, 1.0);
   const std::size_t n = matches.size();
   if (n < 3) {

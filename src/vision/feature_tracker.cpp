@@ -278,9 +278,9 @@ void FeatureTracker::Impl::RejectOutliers(const std::vector<Tracked>& before,
   std::vector<unsigned char> fits;
   if (turn) {
     internal::TwoViews views;
+    views.R_a_b = *turn;
     const double seconds = 1e-9 * static_cast<double>(now_ns - reference_ns);
-    internal::FitMatches(matches, *turn, std::max(1e-4, kBiasSigma * seconds), tolerance, &fits,
-                         &views);
+    internal::FitMatches(matches, std::max(1e-4, kBiasSigma * seconds), tolerance, &views, &fits);
   } else {
     internal::FitMatchesBlind(matches, tolerance, &fits);
   }
