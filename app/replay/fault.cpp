@@ -83,8 +83,13 @@ const std::vector<std::string>& FaultNames() {
 }
 
 Result<Fault> ParseFault(const std::string& text) {
+  const auto parsed = ParseNamedTime(FaultNames(), text);
+  if (!parsed.ok()) return parsed.status();
+  return Fault{static_cast<FaultKind>(parsed->name), parsed->begin_s, parsed->end_s};
+}
+
+Result<NamedTime> ParseNamedTime(const std::vector<std::string>& names, const std::string& text) {
   const std::size_t at = text.find('@'), dots = text.find("..");
-  const std::vector<std::string>& names = FaultNames();
   const auto name = std::find(names.begin(), names.end(), text.substr(0, at));
   if (at == std::string::npos || dots == std::string::npos || dots < at || name == names.end()) {
     return Status(StatusCode::kInvalidArgument,
@@ -100,7 +105,7 @@ Result<Fault> ParseFault(const std::string& text) {
     return Status(StatusCode::kInvalidArgument,
                   fmt::format("--fault: must end after it begins, not '{}'", text));
   }
-  return Fault{static_cast<FaultKind>(name - names.begin()), *begin, *end};
+  return NamedTime{static_cast<std::size_t>(name - names.begin()), *begin, *end};
 }
 
 Viotracks WithImuFaults(Viotracks recording, std::span<const Fault> faults) {

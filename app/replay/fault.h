@@ -46,6 +46,13 @@ struct Fault {
 /// "imu-gap@10..12".
 Result<Fault> ParseFault(const std::string& text);
 
+/// Which of some names, and when: what "NAME@T..T" says.
+struct NamedTime {
+  std::size_t name = 0;
+  double begin_s = 0.0, end_s = 0.0;
+};
+Result<NamedTime> ParseNamedTime(const std::vector<std::string>& names, const std::string& text);
+
 /// The recording with what happens to its IMU.
 Viotracks WithImuFaults(Viotracks recording, std::span<const Fault> faults);
 

@@ -2,23 +2,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "run/image_source.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <thread>
 #include <utility>
+
+#include "replay/fault.h"
 
 namespace glissade::app {
 
 namespace {
 
-constexpr std::pair<const char*, ImageFaultKind> kFaults[] = {
-    {"dropped", ImageFaultKind::kDropped},         {"repeated", ImageFaultKind::kRepeated},
-    {"out-of-order", ImageFaultKind::kOutOfOrder}, {"black", ImageFaultKind::kBlack},
-    {"bright", ImageFaultKind::kBright},           {"blurred", ImageFaultKind::kBlurred},
-    {"covered", ImageFaultKind::kCovered}};
+/// In the order of the enumeration.
+const std::vector<std::string>& FaultWords() {
+  static const std::vector<std::string> words = {"dropped", "repeated", "out-of-order", "black",
+                                                 "bright",  "blurred",  "covered"};
+  return words;
+}
 
 /// Averages of 60 px along the rows: what a camera sees that turns while its shutter is open.
 void Blur(vision::Image* image) {
@@ -41,28 +41,9 @@ void Blur(vision::Image* image) {
 }  // namespace
 
 Result<ImageFault> ParseImageFault(const std::string& text) {
-  const auto refused = [&](const std::string& why) {
-    return Status(StatusCode::kInvalidArgument, fmt::format("--fault {}: {}", text, why));
-  };
-  const std::size_t at = text.find('@');
-  const std::string name = text.substr(0, at);
-  for (const auto& [word, kind] : kFaults) {
-    if (name != word) continue;
-    ImageFault fault{kind};
-    int used = 0;
-    if (at == std::string::npos ||
-        std::sscanf(text.c_str() + at + 1, "%lf..%lf%n", &fault.begin_s, &fault.end_s, &used) !=
-            2 ||
-        text.size() != at + 1 + static_cast<std::size_t>(used) ||
-        !(fault.begin_s >= 0.0 && fault.end_s > fault.begin_s && fault.end_s < 1e9)) {
-      return refused("expected KIND@T..T, in seconds, the second one later");
-    }
-    return fault;
-  }
-  std::vector<std::string> words;
-  for (const auto& entry : kFaults)
-    words.emplace_back(entry.first);
-  return refused(fmt::format("there is no such kind: {}", fmt::join(words, ", ")));
+  const auto parsed = ParseNamedTime(FaultWords(), text);
+  if (!parsed.ok()) return parsed.status();
+  return ImageFault{static_cast<ImageFaultKind>(parsed->name), parsed->begin_s, parsed->end_s};
 }
 
 std::vector<vision::ImageView> SourceFrame::views() const {

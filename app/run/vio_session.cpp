@@ -48,6 +48,14 @@ VioSession::VioSession(const vision::ImageRecording& recording, const RunConfig&
       has_imu_(options.imu_noise.has_value()),
       tracker_(CamerasOf(recording, config), TrackerOptionsOf(config)),
       runner_(settings, options, first_stamp_ns_) {
+  std::vector<std::int64_t> gaps;
+  for (std::size_t k = 1; k < recording.frames.size(); ++k)
+    gaps.push_back(recording.frames[k].stamp_ns - recording.frames[k - 1].stamp_ns);
+  if (!gaps.empty()) {
+    const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+    std::nth_element(gaps.begin(), middle, gaps.end());
+    period_ns_ = *middle;
+  }
   // A device that is switched on has no samples of the time before.
   const auto& imu = recording.imu;
   while (next_imu_ + 1 < imu.size() && imu[next_imu_ + 1].stamp_ns <= first_stamp_ns_)
@@ -126,18 +134,25 @@ void VioSession::NoteEvents(const VisionFrame& frame, const Status& tracked) {
   for (const WindowEvent event : kToldEvents) {
     if (window().recent_events()[event] > 0) now.emplace_back(ToString(event));
   }
-  if (!tracked.ok()) now.push_back("tracker: " + tracked.message());
-  std::map<std::string, std::size_t> lasting;
+  if (frames_.size() > 1) {
+    const double gap = frame.t - frames_[frames_.size() - 2].t;
+    if (gap > 1.6e-9 * static_cast<double>(period_ns_)) now.emplace_back("frame missing");
+  }
+  // The window refuses what the tracker refuses, but an image of another size.
+  if (!tracked.ok() && window().recent_events()[WindowEvent::kFrameRefused] == 0) {
+    now.push_back(tracked.message());
+  }
+  constexpr double kSoon = 0.25;  // s
   for (const std::string& what : now) {
-    if (const auto known = lasting_.find(what); known != lasting_.end()) {
+    const auto known = last_event_.find(what);
+    if (known != last_event_.end() && frame.t - events_[known->second].last_t <= kSoon) {
       ++events_[known->second].frames;
-      lasting.insert(*known);
+      events_[known->second].last_t = frame.t;
     } else {
-      lasting[what] = events_.size();
-      events_.push_back({frame.t, what, 1});
+      last_event_[what] = events_.size();
+      events_.push_back({frame.t, what, 1, frame.t});
     }
   }
-  lasting_ = std::move(lasting);
 }
 
 void VioSession::NoteLandmarks() {

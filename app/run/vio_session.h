@@ -28,11 +28,12 @@ struct VisionFrame {
   bool running = false;
 };
 
-/// Something that a reader of a log wants to know; what lasts is one event.
+/// Something that a reader of a log wants to know; what comes again soon is the same event.
 struct RunEvent {
   double t = 0.0;  ///< s, of the first frame
   std::string what;
-  int frames = 1;  ///< how many frames on end
+  int frames = 1;       ///< that had it
+  double last_t = 0.0;  ///< s, of the last one
 };
 
 struct Thumbnail {
@@ -95,7 +96,8 @@ class VioSession {
   std::size_t next_imu_ = 0;
   std::vector<VisionFrame> frames_;
   std::vector<RunEvent> events_;
-  std::map<std::string, std::size_t> lasting_;  // events that the last frame had
+  std::map<std::string, std::size_t> last_event_;  // of each kind
+  std::int64_t period_ns_ = 0;                     // the usual time between frames
   std::vector<Thumbnail> thumbnails_;
   double next_thumbnail_s_ = 0.0;
   std::map<std::int64_t, Thumbnail::Tail> tails_;
