@@ -93,21 +93,20 @@ function planTraces(traces) {
 }
 
 /** A picture of the view, for paper only: browsers print what WebGL draws as a white area. Taken anew
-    after each turn. */
-async function keepForPrint(div) {
+    after each turn; the first one once the page is there. */
+function keepForPrint(div) {
   const picture = document.createElement('img');
   picture.className = 'print-only';
   picture.alt = 'Trajectory and landmarks';
+  div.after(picture);
   const take = async () => {
     picture.src = await Plotly.toImage(div, {format: 'png', width: div.clientWidth, height: div.clientHeight, scale: 1.5});
+    div.classList.add('screen-only');
   };
-  await take();
-  div.classList.add('screen-only');
-  div.after(picture);
-  let waiting;
+  let waiting = setTimeout(take, 2000);
   div.on('plotly_relayout', () => {
     clearTimeout(waiting);
-    waiting = setTimeout(take, 400);
+    waiting = setTimeout(take, 500);
   });
 }
 
@@ -148,7 +147,7 @@ async function drawWay(run) {
           choice('by height', traces[0].heights, 'height of landmarks [m]'), choice('by times seen', ages, 'frames that saw it')]}] : [],
     });
     div.dataset.view = '3d';
-    await keepForPrint(div);
+    keepForPrint(div);
   } else {
     said.unshift('This browser has no WebGL, so there is no 3-D view: from above (left) and from the side (right).');
     div = await draw('plot-way', planTraces(traces), {
