@@ -3,10 +3,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Shows a run while it goes on, or records it, with the viewer of rerun (rerun.io).
 
-    rerun_view.py < run.jsonl                     live, in a viewer that it opens
-    rerun_view.py --save run.rrd < run.jsonl      recorded: `rerun run.rrd` opens it
+    vio_run data --rerun - | scripts/rerun_view.py                    live, in a viewer that it opens
+    vio_run data --rerun - | scripts/rerun_view.py --save run.rrd     recorded: `rerun run.rrd` opens it
 
-This is what vio_run --rerun writes its frames to. Reads a line of JSON for each frame from standard input (what may be null may also be left out):
+Reads a line of JSON for each frame from standard input (what may be null may also be left out):
 
     {"t": 12.05,                      time, s, increasing (required)
      "p": [x, y, z],                  position of the body in the world, m; null before it is known
@@ -81,11 +81,12 @@ class View:
                                               colors=[[213, 94, 0], [0, 158, 115], [0, 114, 178]]), static=True)
 
     def extend(self, name, place, colour):
-        """A piece of the way: each frame logs its own, so that an hour's run does not log hours anew."""
+        """The way so far, in pieces of 500 steps: of a long one only the last is logged anew."""
         way = self.ways[name]
         way.append(place)
         if len(way) > 1:
-            self.rr.log(f"world/{name}/{(len(way) - 2) // 500}", self.rr.LineStrips3D([way[(len(way) - 2) // 500 * 500:]], colors=[colour]))
+            piece = (len(way) - 2) // 500
+            self.rr.log(f"world/{name}/{piece}", self.rr.LineStrips3D([way[500 * piece:]], colors=[colour]))
 
     def show(self, frame):
         rr = self.rr
