@@ -30,7 +30,7 @@ std::string_view Text(const unsigned char (&bytes)[N]) {
 }
 
 /// Replaces what would end the element <script> that holds the text. "<\/" is "</" to JavaScript,
-/// in strings and in regular expressions, and nowhere else is "</script" any JavaScript.
+/// in strings and in regular expressions, which is where a library has it.
 std::string ForScriptElement(std::string text) {
   std::size_t at = 0;
   while ((at = text.find("</", at)) != std::string::npos) {

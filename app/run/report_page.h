@@ -20,7 +20,7 @@
 ///
 ///     title            "MH_05, mono": what was run
 ///     origin           the folder or file it ran on
-///     app_version      "vio_run 0.1.0": what made it
+///     app_version      "vio_run 0.1.0": what made it; its first line is shown
 ///     figures          {...}: the keys of vio_replay --json (ate_m, rpe_percent, ms_median, ...);
 ///                      besides them duration_s, frames_dropped
 ///     sigma_meaning    "seen from the window's oldest frame": what the sigmas are relative to
@@ -38,7 +38,7 @@
 ///     image,
 ///                      the median of their ages (frames), landmarks in the window
 ///     events           [{t, what, count}]: at which frame, "observation rejected", how many
-///     event_counts     {what: count}: over the whole run
+///     event_counts     {what: count}: over the whole run, besides those of figures.events
 ///     thumbnails       [{t, width, height, scale, jpeg, tracks}]: width and height in pixels of
 ///     the
 ///                      JPEG, which is `scale` times as large as the image; jpeg in base64; tracks

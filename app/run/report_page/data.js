@@ -56,7 +56,7 @@ function readRun(raw) {
   return {
     title: typeof data.title === 'string' && data.title ? data.title : 'Report of a run',
     origin: typeof data.origin === 'string' ? data.origin : '',
-    appVersion: typeof data.app_version === 'string' ? data.app_version : '',
+    appVersion: typeof data.app_version === 'string' ? data.app_version.split('\n')[0] : '',
     figures: record(data.figures),
     sigmaMeaning: typeof data.sigma_meaning === 'string' ? data.sigma_meaning : '',
     period: known(data.camera_period_ms) && data.camera_period_ms > 0 ? data.camera_period_ms : null,
@@ -67,10 +67,18 @@ function readRun(raw) {
     features: readFeatures(record(data.features)),
     events: list(data.events).map(record).filter((e) => known(e.t)).map(
         (e) => ({t: e.t, what: spaced(e.what), count: known(e.count) ? e.count : 1})),
-    eventCounts: Object.entries(record(data.event_counts)).filter(([, n]) => known(n))
-        .map(([what, n]) => [spaced(what), n]),
+    eventCounts: countsOf(record(record(data.figures).events), record(data.event_counts)),
     thumbnails: list(data.thumbnails).map(record).filter((image) => typeof image.jpeg === 'string'),
   };
+}
+
+/** Pairs of event and number; what is given in both is taken from the second. */
+function countsOf(...given) {
+  const all = new Map();
+  for (const counts of given) {
+    for (const [what, n] of Object.entries(counts)) if (known(n)) all.set(spaced(what), n);
+  }
+  return [...all];
 }
 
 /** "observation_rejected" and "observation rejected" are one. */

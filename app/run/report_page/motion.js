@@ -38,7 +38,8 @@ async function drawPosition(run, range) {
     const ofSigma = errors && run.states.error ? run.states.error[i] : [];
     if (ofSigma.length) {
       traces.push(line('error that the band is for', t, ofSigma, colours.blue, {
-        ...place, legendgroup: 'ofSigma', line: {color: colours.blue, width: 1}, hovertemplate: `${axisNames[i]} %{y:.4~g} m<extra></extra>`}));
+        ...place, legendgroup: 'ofSigma', line: {color: colours.blue, width: 1},
+        hovertemplate: `${axisNames[i]} %{y:.4~g} m<extra></extra>`}));
     }
     ranges.push(rangeAround([...values, ...ofSigma], half, center));
     const error = judgedError ? judgedError[i] : [];
@@ -79,7 +80,8 @@ async function drawAttitude(run, range) {
   }
   const angles = anglesSinceStart(q);
   const traces = ['roll', 'pitch', 'yaw'].map((name, i) => line(name, t, angles[i], axisColours[i], {hovertemplate: '%{y:.1f}°'}));
-  await drawOverTime('plot-attitude', traces, {...baseLayout(), shapes: milestones(run), xaxis: timeAxis(range), yaxis: axis('rotation [°]')});
+  await drawOverTime('plot-attitude', traces,
+                     {...baseLayout(), shapes: milestones(run), xaxis: timeAxis(range), yaxis: axis('rotation [°]')});
   caption('attitude', 'Turned since the first estimate, about the axes of the world.');
 }
 
@@ -94,7 +96,8 @@ async function drawBias(run, range, id, bias, sigma, unit) {
     const half = sigma ? thrice(sigma[i]) : [];
     const place = {yaxis: i ? `y${i + 1}` : 'y', showlegend: i === 0};
     if (sigma) traces.push(band('3 sigma', t, values, half, colours.blue, {...place, legendgroup: 'band'}));
-    traces.push(line('estimate', t, values, colours.red, {...place, legendgroup: 'line', hovertemplate: `${axisNames[i]} %{y:.4~g} ${unit}<extra></extra>`}));
+    traces.push(line('estimate', t, values, colours.red,
+                     {...place, legendgroup: 'line', hovertemplate: `${axisNames[i]} %{y:.4~g} ${unit}<extra></extra>`}));
     ranges.push(rangeAround(values, half));
   });
   await drawOverTime(`plot-${id}`, traces, threeRows(range, axisNames.map((name) => `${name} [${unit}]`), ranges, milestones(run)));

@@ -25,7 +25,8 @@ function figuresOf(run, range) {
   const value = (x, unit, more = {}) => ({value: known(x) ? show(x) : null, unit, ...more});
   const path = f.path_m > 0 ? f.path_m : p ? pathLength(p) : null;
   const duration = known(f.duration_s) ? f.duration_s : range && range[1] - range[0];
-  const ms = (given, q) => (known(given) ? given : quantile(run.stages.total, q));
+  // All stages, where they are known: the figures may be of the window alone.
+  const ms = (given, q) => quantile(run.stages.total, q) ?? given;
   const frames = known(f.frames) ? f.frames : run.stages.t.length || null;
   const refused = [[f.frames_dropped, 'dropped'], [f.frames_refused, 'refused']].filter(([n]) => n > 0)
       .map(([n, what]) => `${n} ${what}`).join(', ');
@@ -71,6 +72,7 @@ function drawFigures(run, range) {
   const rows = [];
   const collect = (prefix, values) => {
     for (const [key, x] of Object.entries(values)) {
+      if (Array.isArray(x)) continue;
       if (x !== null && typeof x === 'object') collect(`${prefix}${key}.`, x);
       else rows.push([prefix + key, x === null ? 'unknown' : String(x)]);
     }

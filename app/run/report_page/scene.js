@@ -21,7 +21,7 @@ function nearLandmarks(landmarks, p) {
   const center = [0, 1, 2].map((i) => quantile(from.map((row) => row[i]), 0.5));
   const distance = (row) => Math.hypot(...center.map((c, i) => row[i] - c));
   const reach = way.length ? largest(way.map(distance)) : 0;
-  const limit = reach + 3 * (quantile(landmarks.map(distance), 0.5) ?? 0);
+  const limit = reach + 2 * (quantile(landmarks.map(distance), 0.5) ?? 0);
   return {near: landmarks.filter((row) => distance(row) <= limit), limit};
 }
 
@@ -64,12 +64,16 @@ function wayTraces(run, near) {
     const rings = sigmaRings(p, sigma.p);
     if (rings[0].length) add('3 sigma', rings, {mode: 'lines', hoverinfo: 'skip', line: {color: colours.sky, width: 2}});
   }
-  if (run.truth.p) add('truth', run.truth.p, {mode: 'lines', line: {color: colours.black, width: 3}, text: run.truth.t, hovertemplate: hoverAt('truth')});
+  if (run.truth.p) {
+    add('truth', run.truth.p, {mode: 'lines', line: {color: colours.black, width: 3}, text: run.truth.t, hovertemplate: hoverAt('truth')});
+  }
   if (p) {
-    add('estimate', p, {mode: 'lines', connectgaps: false, line: {color: colours.red, width: 6}, text: t, hovertemplate: hoverAt('estimate')});
+    add('estimate', p, {
+      mode: 'lines', connectgaps: false, line: {color: colours.red, width: 6}, text: t, hovertemplate: hoverAt('estimate')});
     const given = p[0].map((_, k) => k).filter((k) => p.every((axis) => known(axis[k])));
     const end = (name, k, symbol) => add(name, p.map((axis) => [axis[k]]), {
-      mode: 'markers', hovertemplate: `${name}<extra></extra>`, marker: {size: 6, symbol, color: colours.red, line: {color: '#ffffff', width: 1}}});
+      mode: 'markers', hovertemplate: `${name}<extra></extra>`,
+      marker: {size: 5, symbol, color: colours.red, line: {color: '#ffffff', width: 1}}});
     if (given.length > 1) {
       end('start', given[0], 'circle');
       end('end', given.at(-1), 'square');
@@ -93,21 +97,20 @@ function planTraces(traces) {
 }
 
 /** A picture of the view, for paper only: browsers print what WebGL draws as a white area. Taken anew
-    after each turn. */
-async function keepForPrint(div) {
+    after each turn; the first one once the page is there. */
+function keepForPrint(div) {
   const picture = document.createElement('img');
   picture.className = 'print-only';
   picture.alt = 'Trajectory and landmarks';
+  div.after(picture);
   const take = async () => {
     picture.src = await Plotly.toImage(div, {format: 'png', width: div.clientWidth, height: div.clientHeight, scale: 1.5});
+    div.classList.add('screen-only');
   };
-  await take();
-  div.classList.add('screen-only');
-  div.after(picture);
-  let waiting;
+  let waiting = setTimeout(take, 2000);
   div.on('plotly_relayout', () => {
     clearTimeout(waiting);
-    waiting = setTimeout(take, 400);
+    waiting = setTimeout(take, 500);
   });
 }
 
@@ -134,7 +137,8 @@ async function drawWay(run) {
   let div;
   if (hasWebGl()) {
     said.unshift('Drag to turn, scroll to come nearer; a click in the legend hides.');
-    const side = (title) => ({title: {text: title}, backgroundcolor: '#ffffff', gridcolor: '#dfe3e8', zerolinecolor: '#b9c1cb', showspikes: false});
+    const side = (title) => ({title: {text: title}, backgroundcolor: '#ffffff', gridcolor: '#dfe3e8', zerolinecolor: '#b9c1cb',
+      showspikes: false});
     const ages = traces[0].ages;
     const choice = (label, values, title) => ({label, method: 'restyle', args: [{
       'marker.color': [values], 'marker.cmin': quantile(values, 0.02), 'marker.cmax': quantile(values, 0.98),
@@ -142,13 +146,13 @@ async function drawWay(run) {
     div = await draw('plot-way', traces.map((trace) => ({...trace, type: 'scatter3d'})), {
       ...baseLayout(), hovermode: 'closest', legend, margin: {l: 0, r: 0, t: 8, b: 0},
       scene: {aspectmode: 'data', xaxis: side('x [m]'), yaxis: side('y [m]'), zaxis: side('z [m]'),
-        camera: {eye: {x: -0.9, y: -1.05, z: 0.76}, center: {x: 0, y: 0, z: -0.08}, projection: {type: 'perspective'}}},
+        camera: {eye: {x: -0.97, y: -1.13, z: 0.82}, center: {x: 0, y: 0, z: -0.08}, projection: {type: 'perspective'}}},
       updatemenus: ages ? [{type: 'buttons', direction: 'right', x: 1, xanchor: 'right', y: 0, yanchor: 'bottom', pad: {b: 6, r: 2},
         font: {...font, size: 12}, bgcolor: '#ffffff', bordercolor: '#c3cad3', buttons: [
           choice('by height', traces[0].heights, 'height of landmarks [m]'), choice('by times seen', ages, 'frames that saw it')]}] : [],
     });
     div.dataset.view = '3d';
-    await keepForPrint(div);
+    keepForPrint(div);
   } else {
     said.unshift('This browser has no WebGL, so there is no 3-D view: from above (left) and from the side (right).');
     div = await draw('plot-way', planTraces(traces), {

@@ -46,7 +46,7 @@ async function drawStages(run, range) {
   const rest = total.map((whole, k) => (known(whole) && known(sum[k]) ? Math.max(0, whole - sum[k]) : null));
   const columns = names.map((name, i) => ({name, ms: ms[i], colour: stageColours[i % stageColours.length]}));
   if (!names.length) columns.push({name: 'frame', ms: total, colour: colours.blue});
-  else if (largest(rest) > 1e-6) columns.push({name: 'other', ms: rest, colour: colours.grey});
+  else if (quantile(rest, 0.5) > 0.005 * quantile(total, 0.5)) columns.push({name: 'other', ms: rest, colour: colours.grey});
   const bins = binsOf(t.length, 240);
   const size = bins[0][1] - bins[0][0];
   const middle = bins.map(([a, b]) => meanOf(t.slice(a, b)));
@@ -75,7 +75,7 @@ async function drawStages(run, range) {
     xaxis: timeAxis(range), yaxis: axis('time [ms]', {range: [0, top]})});
   const late = run.period === null ? 0 : total.filter((x) => x > run.period).length;
   caption('stages', size > 1 && `Each bar is the mean of ${size} frames; dashes are the slowest of them.`,
-          above > 0 && `${above} of ${total.filter(known).length} frames reach above ${show(top)} ms (slowest: ${show(most)} ms).`,
+          above > 0 && `${above} of ${total.filter(known).length} frames went above ${show(top)} ms (slowest: ${show(most)} ms).`,
           run.period === null ? 'The camera\'s period is not given.' :
             `${late ? late : 'No'} frame${late === 1 ? '' : 's'} took longer than the camera's period of ${show(run.period)} ms` +
             `${hasLine ? '' : ', which lies far above this picture'}.`);
