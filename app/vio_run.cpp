@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // From images and an IMU to a trajectory: a front end before a sliding window.
-#include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -147,7 +147,7 @@ Status WriteAll(const Settings& s, const CausalRun& run, const VioSession& sessi
     if (Status st = WriteViotracks(session.tracks(), s.save_tracks); !st.ok()) return st;
   }
   if (s.report.empty()) return {};
-  std::string title = s.folder;
+  std::string title = std::filesystem::weakly_canonical(s.folder).filename().string();
   title.append(session.tracker().cameras().size() > 1 ? ", stereo" : ", one camera");
   title.append(has_imu ? " and IMU" : "");
   return WriteReportPage(ReportData({title, s.folder, session, run, errors, json, has_imu}),

@@ -20,7 +20,6 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
-#include <vector>
 
 using namespace glissade;
 
@@ -85,12 +84,11 @@ class FrontEnd {
     std::vector<cv::Point2f> returned = points_;
     cv::calcOpticalFlowPyrLK(image, last_, found, returned, back, unused, window, 1, stop,
                              cv::OPTFLOW_USE_INITIAL_FLOW);
-    const cv::Rect inside(0, 0, image.cols, image.rows);
     std::vector<cv::Point2f> points, before, after;
     std::vector<std::int64_t> ids;
     for (std::size_t k = 0; k < found.size(); ++k) {
       if (!forth[k] || !back[k] || cv::norm(returned[k] - points_[k]) > 0.5) continue;
-      if (!inside.contains(cv::Point(found[k]))) continue;
+      if (!cv::Rect({}, image.size()).contains(cv::Point(found[k]))) continue;
       points.push_back(found[k]);
       ids.push_back(ids_[k]);
       const Vector2 a = Ray(points_[k]), b = Ray(found[k]);

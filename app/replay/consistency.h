@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <array>
 #include <optional>
 
 #include "glissade/io/viotracks.h"
@@ -18,6 +19,12 @@ struct Consistency {
   double nees_rotation = 0.0;
   std::size_t frames = 0;
 };
+
+/// The newest pose's error in position, m, axes of the estimate's world, as seen from the window's
+/// oldest frame: what its sigmas are about. Absent where the truth (gravity against z, ReferenceOf)
+/// does not reach.
+std::optional<std::array<double, 3>> ErrorFromOldest(const FrameEstimate& estimate,
+                                                     const eval::Trajectory& truth, bool has_imu);
 
 /// Of a run with ReplaySettings::covariance; absent where the recording has no truth to hold it
 /// against. Stamps of estimates are moved by -time_offset_s to those of the truth.

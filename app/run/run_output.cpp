@@ -16,6 +16,7 @@
 #include "glissade/eval/alignment.h"
 #include "glissade/eval/association.h"
 #include "glissade/eval/statistics.h"
+#include "replay/consistency.h"
 #include "run/report_page.h"
 
 namespace glissade::app {
@@ -87,6 +88,7 @@ Json Rounded(std::span<const double> values, double step) {
 Json StatesOf(const ReportInput& in) {
   Json s = {{"t", Json::array()}, {"p", Json::array()}, {"q", Json::array()}};
   if (in.run.estimates.empty()) return s;
+  const eval::Trajectory truth = ReferenceOf(in.session.tracks());
   for (const FrameEstimate& e : in.run.estimates) {
     const auto frame =
         std::lower_bound(in.session.frames().begin(), in.session.frames().end(), e.frame,
@@ -97,6 +99,11 @@ Json StatesOf(const ReportInput& in) {
     s["q"].push_back(Rounded(pose.subspan(3, 4), 1e-6));
     const std::span<const double> sigmas(e.sigmas);
     s["sigma_p"].push_back(Rounded(sigmas.first(3), 1e-5));
+    if (const auto error = ErrorFromOldest(e, truth, in.has_imu)) {
+      s["error_p"].push_back(Rounded(*error, 1e-5));
+    } else {
+      s["error_p"].push_back({nullptr, nullptr, nullptr});
+    }
     if (!in.has_imu) continue;
     const std::span<const double> speed(e.state.speed_bias.data);
     s["v"].push_back(Rounded(speed.first(3), 1e-4));
@@ -171,6 +178,9 @@ void PrintSession(const VioSession& session) {
         Mean(session, &VisionFrame::features), MeanOf(session, &vision::TrackerReport::lost),
         MeanOf(session, &vision::TrackerReport::rejected),
         MeanOf(session, &vision::TrackerReport::detected));
+  if (const double sigma = session.window().initial_scale_sigma(); sigma > 0.0) {
+    Print("scale of the first state known to {:.1f} % (sigma)\n", 100.0 * sigma);
+  }
   constexpr std::size_t kMost = 30;
   for (std::size_t k = 0; k < std::min(kMost, session.events().size()); ++k) {
     const RunEvent& e = session.events()[k];
@@ -185,6 +195,7 @@ void PrintSession(const VioSession& session) {
 Json SessionJson(const VioSession& session, std::int64_t dropped) {
   Json j;
   j["frames_dropped"] = dropped;
+  j["initial_scale_sigma_percent"] = 100.0 * session.window().initial_scale_sigma();
   j["features_mean"] = Mean(session, &VisionFrame::features);
   j["stereo_mean"] = MeanOf(session, &vision::TrackerReport::stereo);
   j["lost_mean"] = MeanOf(session, &vision::TrackerReport::lost);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <limits>
 #include <utility>
 
@@ -28,6 +29,12 @@ vision::TrackerOptions TrackerOptionsOf(const RunConfig& config) {
   vision::TrackerOptions options = config.tracker;
   options.max_blind_ns = std::llround(1e9 * config.max_blind_s);
   return options;
+}
+
+double ThreadMs() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
 /// Those of a window's events that are worth a line in a log.
@@ -108,10 +115,12 @@ void VioSession::Take(const SourceFrame& source) {
     for (const vision::Feature& f : tracker_.features())
       frame.features += f.camera == 0 ? 1 : 0;
   }
+  // Before there is a state the window looks for one, which takes its time, too.
   const std::size_t timed = runner_.run().ms.total.size();
+  const double begin = ThreadMs();
   runner_.Deliver(delivery);
   const auto& ms = runner_.run().ms.total;
-  frame.window_ms = ms.size() > timed ? ms.back() : 0.0;
+  frame.window_ms = ms.size() > timed ? ms.back() : ThreadMs() - begin;
   frame.running = window().phase() == WindowPhase::kRunning;
   frames_.push_back(frame);
   NoteEvents(frame, tracked);

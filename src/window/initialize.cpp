@@ -25,6 +25,9 @@ constexpr std::int64_t kStandingNs = 1'000'000'000;
 /// that will do, or fewer where these span the time that acceleration takes to show.
 constexpr std::size_t kMostFrames = 20, kEnoughFrames = 10, kFewestFrames = 5;
 constexpr double kEnoughSeconds = 2.0;
+/// An attempt takes many times as long as a frame, and one that has failed will hardly do better with
+/// a single image more: at 20 Hz every second frame.
+constexpr double kAttemptSeconds = 0.09;
 
 /// L' L = covariance^-1, scaled to a unit diagonal before it is factored so that units do not
 /// matter.
@@ -63,6 +66,7 @@ SquareMatrix<11> Covariance11(const StaticState& state) {
 }  // namespace
 
 Status SlidingWindow::Impl::Start(const WindowState& state, const SquareMatrix<11>& covariance11) {
+  initial_scale_sigma = 0.0;
   SquareMatrix<11> sqrt;
   if (HasImu() && !SqrtInformation(covariance11, &sqrt)) {
     return {StatusCode::kNotPositive, "covariance of the first state"};
@@ -129,6 +133,11 @@ Status SlidingWindow::TryToStart(std::int64_t stamp_ns) {
       SecondsBetween(w.seen.front().stamp_ns, stamp_ns) < kEnoughSeconds) {
     return {};
   }
+  if (w.attempted_ns && *w.attempted_ns < stamp_ns &&
+      SecondsBetween(*w.attempted_ns, stamp_ns) < kAttemptSeconds) {
+    return {};
+  }
+  w.attempted_ns = stamp_ns;
   return TryToStartMoving();
 }
 
@@ -166,6 +175,7 @@ Status SlidingWindow::TryToStartMoving() {
     return s;
   }
   if (Status s = w.problem.Set(w.frames.front().speed_bias, first.speed_bias); !s.ok()) return s;
+  w.initial_scale_sigma = moving->log_scale_sigma;
   const std::vector<FrameObservations> seen(input.frames.begin(), input.frames.end());
   for (std::size_t k = 0; k < seen.size(); ++k) {
     if (k > 0) {

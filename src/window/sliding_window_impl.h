@@ -97,6 +97,8 @@ struct SlidingWindow::Impl {
   std::vector<FrameObservation> anchor_seen, newest_seen;
   internal::ImageStillness image_stillness;
   InitVerdict init_verdict;
+  double initial_scale_sigma = 0.0;
+  std::optional<std::int64_t> attempted_ns;  ///< to begin in motion, last
   std::int64_t anchor_frame = -1;  ///< where the body has stood still since; -1: it does not
   double standing_angle = 0.0;     ///< sigma of a standing body's tremble (rad)
   WindowPlan plan;

@@ -76,6 +76,9 @@ class SlidingWindow {
 
   /// Why there is no first state yet: what was tested last, and by which number.
   [[nodiscard]] const InitVerdict& init_verdict() const;
+  /// How well the scale of the first state was known: sigma of its logarithm (0.05: 5 %), of the
+  /// frames that it was found from. 0: from rest, from what the caller said, or no state yet.
+  [[nodiscard]] double initial_scale_sigma() const;
 
   // --- What is known -------------------------------------------------------------------------
   [[nodiscard]] WindowPhase phase() const;
