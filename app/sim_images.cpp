@@ -58,9 +58,9 @@ The same options and the same data give the same images. --tracks writes what a 
 would have made of them, with noise and losses as told, to hold a real one against.
 
 Examples:
-  sim_images room --along data/flight                 stereo, 20 Hz, 752 wide as recorded
-  sim_images room --along data/flight --seconds 60 --noise 4 --exposure 10 --auto-exposure
-  sim_images room --spline rec --seconds 60 --mono --size 640x400 --tracks room_tracks
+  sim_images room --along data/flight                 stereo, 20 Hz, as large as recorded
+  sim_images room --along data/flight --seconds 5 --noise 4 --exposure 10 --auto-exposure
+  sim_images room --spline rec --seconds 60 --mono --size 752x480 --tracks room_tracks
   sim_images room --spline sine --lens equidistant --focal 190 --size 512x512
   sim_images room --along data/flight --texture wall.jpg --texture floor.jpg --texture-width 3
 
