@@ -1,0 +1,391 @@
+// SPDX-FileCopyrightText: 2026 The glissade authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Renders what cameras would have seen on a flight through a textured room.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/interrupt.h"
+#include "common/options.h"
+#include "common/output_file.h"
+#include "common/program.h"
+#include "common/status_line.h"
+#include "common/version.h"
+#include "glissade/io/viotracks.h"
+#include "glissade/vision/image_recording.h"
+#include "images/flight.h"
+#include "images/flight_source.h"
+#include "images/ideal_tracks.h"
+#include "images/lens.h"
+#include "images/photometry.h"
+#include "images/recording_plan.h"
+#include "images/renderer.h"
+#include "images/scene.h"
+
+namespace glissade::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kName = "sim_images";
+
+constexpr const char* kDescription =
+    R"(Renders the images of a flight through a textured room, and writes them in EuRoC's layout with the
+IMU, the calibration and the truth: recordings of any length for visual-inertial odometry.)";
+
+constexpr const char* kFooter =
+    R"(The flight is that of a recording with ground truth (VIOTRACKS, EuRoC, TUM-VI, KITTI odometry), whose
+IMU is copied and whose cameras are taken over, or a simulated one with a simulated IMU. Between
+true poses that are far apart the IMU says how the body moved. The room is built around the flight,
+level, with boxes and pillars in it; every pixel's ray is followed through the lens to what it meets
+first. The stamp of an image is the middle of its exposure. The truth written is the rendered one,
+at every frame.
+
+Models of --lens: own (as recorded; a VIOTRACKS or simulated camera has no distortion), none, radtan
+(EuRoC's), equidistant (TUM-VI's; with a short --focal, wide). The default is radtan for VIOTRACKS
+and simulated flights, own for recordings of images.
+
+The same options and the same data give the same images. --tracks writes what a perfect tracker
+would have made of them, with noise and losses as told, to hold a real one against.
+
+Examples:
+  sim_images room --along data/flight                 stereo, 20 Hz, as large as recorded
+  sim_images room --along data/flight --seconds 5 --noise 4 --exposure 10 --auto-exposure
+  sim_images room --spline rec --seconds 60 --mono --size 752x480 --tracks room_tracks
+  sim_images room --spline sine --lens equidistant --focal 190 --size 512x512
+  sim_images room --along data/flight --texture wall.jpg --texture floor.jpg --texture-width 3
+
+After Ctrl-C the recording is that of the frames until then.
+
+Exit code: 0; 130 after Ctrl-C; 2 where an option or a recording makes no sense, or FOLDER holds a
+recording already; 1 where a file cannot be written.)";
+
+struct Settings {
+  std::string folder, along, spline;
+  SplineOptions flight;
+  PlanOptions plan;
+  std::string lens_model;  // empty: what the source suggests
+  LensOptions lens;
+  SceneOptions scene;
+  std::vector<std::string> textures;
+  double texture_width_m = 4.0;
+  PhotometryOptions photometry;
+  double exposure_ms = 4.0;
+  int blur_samples = 8;
+  int jpeg_quality = 95;
+  std::string tracks;
+  IdealTrackOptions ideal;
+  std::uint32_t seed = 1;
+  std::string json;
+};
+
+/// "640x480"
+void ReadSize(const std::string& text, LensOptions* lens) {
+  const std::size_t x = text.find('x');
+  const auto width = ParseNumber("--size", text.substr(0, x), 16, 8192);
+  const auto height = ParseNumber("--size", x < text.size() ? text.substr(x + 1) : "", 16, 8192);
+  const bool whole =
+      width.ok() && height.ok() && *width == std::floor(*width) && *height == std::floor(*height);
+  if (!whole)
+    RefuseOption("--size: must be WxH, each an integer from 16 to 8192, not '" + text + "'");
+  lens->width = static_cast<int>(*width);
+  lens->height = static_cast<int>(*height);
+}
+
+void AddFlightOptions(CLI::App& cli, Settings& s) {
+  auto* along = cli.add_option("--along", s.along, "Fly as in this recording")->type_name("DIR");
+  AddChoice(cli, "--spline", &s.spline, {"sine", "arc", "rec"},
+            "Fly a simulated way: sine, arc, or rec, around a rectangle")
+      ->excludes(along);
+  AddNumber(cli, "--length", &s.flight.lap_m, 1.0, 1e4, "Of --spline, one lap (m; default 15)");
+  AddNumber(cli, "--speed", &s.flight.speed_mps, 0.05, 20.0, "Of --spline (m/s; default 1.25)");
+  AddNumber(cli, "--start", &s.plan.start_s, 0.0, 1e5,
+            "Begin so long after the truth does (s; default 0)");
+  AddNumber(cli, "--seconds", &s.plan.seconds, 0.01, 1e5,
+            "Length (s; default: to the end of the truth; of --spline, one lap)");
+  AddNumber(cli, "--rate", &s.plan.rate_hz, 0.1, 1000.0, "Frames a second (Hz; default 20)");
+  cli.add_flag("--mono", s.plan.mono, "The first camera only");
+}
+
+void AddCameraOptions(CLI::App& cli, Settings& s) {
+  cli.add_option_function<std::string>(
+         "--size", [&s](const std::string& text) { ReadSize(text, &s.lens); },
+         "Of the images, the same width of view (px; default: as recorded)")
+      ->type_name("WxH");
+  AddNumber(cli, "--focal", &s.lens.focal_px, 1.0, 1e5, "Focal length (px; default: as recorded)");
+  AddChoice(cli, "--lens", &s.lens_model, LensModels(),
+            "own, none, radtan or equidistant (default: see below)");
+  AddNumber(cli, "--noise", &s.photometry.noise, 0.0, 100.0,
+            "Sigma of a pixel (grey values; default 2)");
+  AddNumber(cli, "--exposure", &s.exposure_ms, 0.0, 1000.0,
+            "Time that the shutter is open, which blurs what moves (ms; default 4)");
+  AddInteger(cli, "--blur-samples", &s.blur_samples, 1, 1000,
+             "At most so many views are averaged for it, about one a pixel (default 8)");
+  AddNumber(cli, "--gain-drift", &s.photometry.gain_drift, 0.0, 2.0,
+            "Slow change of the brightness, of its logarithm (default 0.15)");
+  cli.add_flag("--auto-exposure", s.photometry.auto_exposure,
+               "Brightness in steps, towards a mean of 100");
+  AddNumber(cli, "--vignette", &s.photometry.vignette, 0.0, 1.0,
+            "Part of the light that is lost in the corners (default 0.25)");
+  AddChoice(cli, "--format", &s.plan.ending, {"png", "jpg"}, "png (default) or jpg");
+  AddInteger(cli, "--jpeg-quality", &s.jpeg_quality, 1, 100, "Default 95");
+}
+
+void AddOptions(Program& program, Settings& s) {
+  CLI::App& cli = program.cli();
+  cli.add_option("FOLDER", s.folder, "Where the recording goes: FOLDER/mav0")->required();
+  AddFlightOptions(cli, s);
+  AddCameraOptions(cli, s);
+  AddNumber(cli, "--walls", &s.scene.wall_m, 0.3, 1000.0,
+            "Distance of the walls from the way (m; default 3)");
+  AddNumber(cli, "--floor", &s.scene.floor_m, 0.3, 1000.0, "Of floor and ceiling (m; default 1.5)");
+  AddInteger(cli, "--boxes", &s.scene.boxes, 0, 1000,
+             "Boxes and pillars in the room, where they find a place (default 8)");
+  cli.add_option("--texture", s.textures,
+                 "Picture to paint the room with; may be repeated (default: random shapes)")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  AddNumber(cli, "--texture-width", &s.texture_width_m, 0.1, 1000.0,
+            "Width of such a picture (m; default 4)");
+  AddSeed(cli, &s.seed, "Of the room, the noise, a simulated flight (default 1)");
+  program.AddOutputPath("--tracks", &s.tracks,
+                        "Write perfect tracks (VIOTRACKS) to PATH, a folder");
+  AddNumber(cli, "--track-noise", &s.ideal.noise_px, 0.0, 100.0, "Their sigma (px; default 0.5)");
+  AddNumber(cli, "--track-age", &s.ideal.age_frames, 1.0, 1e6,
+            "Frames after which one is lost on the average (default 30)");
+  program.AddOutput("--json", &s.json, "Write the figures, the room and its boxes to FILE");
+}
+
+Result<FlightSource> SourceOf(Settings& s) {
+  if (!s.along.empty()) return ReadFlight(s.along);
+  for (const auto& kind :
+       {sim::TrajectoryKind::kSine, sim::TrajectoryKind::kArc, sim::TrajectoryKind::kRec}) {
+    if (s.spline == sim::ToString(kind)) s.flight.kind = kind;
+  }
+  s.flight.seed = s.seed;
+  s.flight.seconds = s.plan.seconds > 0.0 ? s.plan.start_s + s.plan.seconds : 0.0;
+  return SimulateFlight(s.flight);
+}
+
+Result<Scene> SceneOf(const Settings& s, const FlightSource& source,
+                      const vision::ImageRecording& recording, Flight* flight) {
+  std::vector<Texture> textures;
+  for (const std::string& file : s.textures) {
+    auto texture = Texture::FromFile(file, s.texture_width_m);
+    if (!texture.ok()) return texture.status();
+    textures.push_back(std::move(texture).value());
+  }
+  // The cameras' way, close enough that nothing fits in between.
+  std::vector<Vector3> way;
+  constexpr std::int64_t kStepNs = 50'000'000;
+  const std::int64_t last_ns = recording.frames.back().stamp_ns;
+  for (std::int64_t t = recording.frames.front().stamp_ns;; t = std::min(t + kStepNs, last_ns)) {
+    const Pose T_w_b = flight->At(t).T_w_b;
+    for (const vision::Camera& camera : recording.cameras)
+      way.emplace_back(T_w_b * Vector3(camera.T_b_c.p()));
+    if (t == last_ns) break;
+  }
+  return MakeScene(way, source.gravity, s.scene, std::move(textures));
+}
+
+/// Where the camera is while the shutter is open: once for each pixel that the image moves by.
+std::vector<Pose> PosesOf(const Settings& s, const Scene& scene, const Renderer& renderer,
+                          const Pose& T_b_c, std::int64_t stamp_ns, Flight* flight) {
+  const double open_ns = 1e6 * s.exposure_ms;
+  const auto pose_at = [&](double part) {
+    return scene.ToScene(flight->At(stamp_ns + std::llround((part - 0.5) * open_ns)).T_w_b * T_b_c);
+  };
+  int samples = 1;
+  if (s.exposure_ms > 0.0 && s.blur_samples > 1) {
+    const double motion_px = renderer.MotionBetween(scene, pose_at(0.0), pose_at(1.0));
+    samples = std::clamp(static_cast<int>(std::ceil(motion_px)), 1, s.blur_samples);
+  }
+  std::vector<Pose> poses;
+  for (int k = 0; k < samples; ++k)
+    poses.push_back(pose_at((k + 0.5) / samples));
+  return poses;
+}
+
+struct Figures {
+  int images = 0;
+  double views = 0.0;  // of all images together
+  double render_s = 0.0, write_s = 0.0;
+};
+
+/// Renders and writes all frames; shortens the recording after Ctrl-C.
+Status RenderAll(const Settings& s, const Scene& scene, Flight* flight,
+                 vision::ImageRecording* recording, Figures* figures) {
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  };
+  PhotometryOptions photometry = s.photometry;
+  photometry.seed = s.seed;
+  std::vector<Renderer> renderers;
+  std::vector<Photometry> sensors;
+  for (std::size_t c = 0; c < recording->cameras.size(); ++c) {
+    const vision::Camera& camera = recording->cameras[c];
+    renderers.emplace_back(camera);
+    sensors.emplace_back(photometry, static_cast<int>(c), camera.width, camera.height);
+  }
+  StatusLine status;
+  std::vector<float> light;
+  std::size_t done = 0;
+  for (const vision::ImageFrame& frame : recording->frames) {
+    for (std::size_t c = 0; c < renderers.size(); ++c) {
+      const auto begin = Clock::now();
+      const auto poses =
+          PosesOf(s, scene, renderers[c], recording->cameras[c].T_b_c, frame.stamp_ns, flight);
+      renderers[c].RenderMoving(scene, poses, &light);
+      const vision::Image image = sensors[c].Capture(light, frame.stamp_ns);
+      figures->render_s += since(begin);
+      const auto rendered = Clock::now();
+      if (Status w = vision::WriteImage(image.view(), frame.files[c], s.jpeg_quality); !w.ok()) {
+        return w;
+      }
+      figures->write_s += since(rendered);
+      figures->views += static_cast<double>(poses.size());
+      ++figures->images;
+    }
+    ++done;
+    status.ShowPart(fmt::format("{}: {:.0f} images/s", s.folder,
+                                figures->images / (figures->render_s + figures->write_s)),
+                    static_cast<double>(done) / static_cast<double>(recording->frames.size()));
+    if (Interrupted()) break;
+  }
+  recording->frames.resize(done);
+  recording->ground_truth.resize(done);
+  return {};
+}
+
+Status WriteTracks(const Settings& s, const FlightSource& source, const Scene& scene,
+                   const vision::ImageRecording& recording) {
+  Viotracks tracks;
+  tracks.origin =
+      "perfect tracks of images rendered by glissade (sim_images), along: " + source.origin;
+  tracks.gravity = source.gravity;
+  for (const vision::Camera& camera : recording.cameras) {
+    const CameraPinhole& f = camera.pinhole();
+    tracks.cameras.push_back({f.fx, f.fy, f.cx, f.cy, camera.width, camera.height,
+                              std::max(s.ideal.noise_px, 0.01), camera.T_b_c});
+  }
+  tracks.imu_noise = recording.imu_noise;
+  tracks.imu_rate_hz = recording.imu_rate_hz;
+  tracks.imu = recording.imu;
+  tracks.ground_truth = recording.ground_truth;
+  IdealTrackOptions options = s.ideal;
+  options.seed = s.seed;
+  IdealTracks tracker(options, recording.cameras);
+  for (std::size_t k = 0; k < recording.frames.size(); ++k) {
+    const auto frame = static_cast<std::int32_t>(k);
+    tracks.frames.push_back({frame, recording.frames[k].stamp_ns});
+    tracker.Observe(scene, scene.ToScene(recording.ground_truth[k].T_w_b), frame, &tracks.tracks);
+  }
+  return WriteViotracks(tracks, s.tracks);
+}
+
+nlohmann::ordered_json BoxJson(const Box& box) {
+  return {{"low_m", {box.low[0], box.low[1], box.low[2]}},
+          {"high_m", {box.high[0], box.high[1], box.high[2]}}};
+}
+
+nlohmann::ordered_json ToJson(const Settings& s, const Scene& scene,
+                              const vision::ImageRecording& recording, const Figures& figures) {
+  nlohmann::ordered_json json = JsonHeader(kName, s.along);
+  json["interrupted"] = Interrupted();
+  json["frames"] = recording.frames.size();
+  json["cameras"] = recording.cameras.size();
+  json["images"] = figures.images;
+  json["views_per_image"] = figures.views / std::max(figures.images, 1);
+  json["render_s"] = figures.render_s;
+  json["write_s"] = figures.write_s;
+  const Matrix3& R = scene.R_s_w;
+  for (int i = 0; i < 3; ++i)
+    json["R_room_world"].push_back({R(i, 0), R(i, 1), R(i, 2)});
+  json["room"] = BoxJson(scene.room);
+  json["boxes"] = nlohmann::ordered_json::array();
+  for (const Box& box : scene.boxes)
+    json["boxes"].push_back(BoxJson(box));
+  return json;
+}
+
+/// What must be so before anything is written.
+Status CheckFolder(const Settings& s) {
+  const auto refused = [](std::string why) {
+    return Status(StatusCode::kInvalidArgument, std::move(why));
+  };
+  if (s.along.empty() == s.spline.empty()) return refused("one of --along and --spline is needed");
+  std::error_code error;
+  fs::path folder(s.folder);
+  if (fs::exists(folder / "mav0", error)) {
+    return refused(s.folder + ": holds a recording (mav0) already");
+  }
+  if (!folder.has_filename()) folder = folder.parent_path();
+  if (folder.has_parent_path() && !fs::is_directory(folder.parent_path(), error)) {
+    return refused(s.folder + ": there is no folder " + folder.parent_path().string());
+  }
+  return {};
+}
+
+Outcome Run(Settings& s) {
+  if (Status c = CheckFolder(s); !c.ok()) return BadInput(c);
+  auto source = SourceOf(s);
+  if (!source.ok()) return BadInput(source.status());
+  s.lens.model = !s.lens_model.empty() ? s.lens_model : source->is_rectified ? "radtan" : "own";
+  for (std::size_t c = 0; c < source->cameras.size(); ++c) {
+    vision::Camera& camera = source->cameras[c];
+    camera = WithLens(camera, static_cast<int>(c), s.lens);
+    if (Status v = camera.Validate(); !v.ok()) return BadInput(v);
+  }
+  Flight flight(source->ground_truth, source->imu, source->gravity);
+  auto recording = PlanRecording(*source, s.plan, s.folder, &flight);
+  if (!recording.ok()) return BadInput(recording.status());
+  s.scene.seed = s.seed;
+  const auto scene = SceneOf(s, *source, *recording, &flight);
+  if (!scene.ok()) return BadInput(scene.status());
+
+  for (const std::string& file : recording->frames.front().files) {
+    std::error_code error;
+    fs::create_directories(fs::path(file).parent_path(), error);
+    if (error) {
+      return Failed({StatusCode::kIoError, s.folder + ": cannot be made: " + error.message()});
+    }
+  }
+  Figures figures;
+  if (Status r = RenderAll(s, *scene, &flight, &*recording, &figures); !r.ok()) return Failed(r);
+  if (Status w = vision::WriteEurocRecording(*recording, s.folder); !w.ok()) return Failed(w);
+  if (!s.tracks.empty()) {
+    if (Status w = WriteTracks(s, *source, *scene, *recording); !w.ok()) return Failed(w);
+  }
+  const Box& room = scene->room;
+  Print(
+      "{}: {} frames, {} images, {} IMU samples; a room of {:.1f} x {:.1f} x {:.1f} m, {} boxes\n",
+      s.folder, recording->frames.size(), figures.images, recording->imu.size(),
+      room.high[0] - room.low[0], room.high[1] - room.low[1], room.high[2] - room.low[2],
+      scene->boxes.size());
+  Print("{:.1f} ms an image to render, {:.2f} views each; {:.1f} ms to write\n",
+        1e3 * figures.render_s / figures.images, figures.views / figures.images,
+        1e3 * figures.write_s / figures.images);
+  if (!s.json.empty()) {
+    const auto json = ToJson(s, *scene, *recording, figures);
+    if (Status w = WriteJson(s.json, json, 2); !w.ok()) return Failed(w);
+  }
+  return {};
+}
+
+}  // namespace
+}  // namespace glissade::app
+
+int main(int argc, char** argv) {
+  using namespace glissade::app;
+  return Program(kName, kDescription, kFooter).Main<Settings>(argc, argv, AddOptions, Run);
+}
