@@ -5,11 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,9 +24,8 @@
 #include "images/flight_source.h"
 #include "images/ideal_tracks.h"
 #include "images/lens.h"
-#include "images/photometry.h"
 #include "images/recording_plan.h"
-#include "images/renderer.h"
+#include "images/render_recording.h"
 #include "images/scene.h"
 
 namespace glissade::app {
@@ -78,10 +75,7 @@ struct Settings {
   SceneOptions scene;
   std::vector<std::string> textures;
   double texture_width_m = 4.0;
-  PhotometryOptions photometry;
-  double exposure_ms = 4.0;
-  int blur_samples = 8;
-  int jpeg_quality = 95;
+  RenderOptions render;
   std::string tracks;
   IdealTrackOptions ideal;
   std::uint32_t seed = 1;
@@ -124,20 +118,20 @@ void AddCameraOptions(CLI::App& cli, Settings& s) {
   AddNumber(cli, "--focal", &s.lens.focal_px, 1.0, 1e5, "Focal length (px; default: as recorded)");
   AddChoice(cli, "--lens", &s.lens_model, LensModels(),
             "own, none, radtan or equidistant (default: see below)");
-  AddNumber(cli, "--noise", &s.photometry.noise, 0.0, 100.0,
+  AddNumber(cli, "--noise", &s.render.photometry.noise, 0.0, 100.0,
             "Sigma of a pixel (grey values; default 2)");
-  AddNumber(cli, "--exposure", &s.exposure_ms, 0.0, 1000.0,
+  AddNumber(cli, "--exposure", &s.render.exposure_ms, 0.0, 1000.0,
             "Time that the shutter is open, which blurs what moves (ms; default 4)");
-  AddInteger(cli, "--blur-samples", &s.blur_samples, 1, 1000,
+  AddInteger(cli, "--blur-samples", &s.render.blur_samples, 1, 1000,
              "At most so many views are averaged for it, about one a pixel (default 8)");
-  AddNumber(cli, "--gain-drift", &s.photometry.gain_drift, 0.0, 2.0,
+  AddNumber(cli, "--gain-drift", &s.render.photometry.gain_drift, 0.0, 2.0,
             "Slow change of the brightness, of its logarithm (default 0.15)");
-  cli.add_flag("--auto-exposure", s.photometry.auto_exposure,
+  cli.add_flag("--auto-exposure", s.render.photometry.auto_exposure,
                "Brightness in steps, towards a mean of 100");
-  AddNumber(cli, "--vignette", &s.photometry.vignette, 0.0, 1.0,
+  AddNumber(cli, "--vignette", &s.render.photometry.vignette, 0.0, 1.0,
             "Part of the light that is lost in the corners (default 0.25)");
   AddChoice(cli, "--format", &s.plan.ending, {"png", "jpg"}, "png (default) or jpg");
-  AddInteger(cli, "--jpeg-quality", &s.jpeg_quality, 1, 100, "Default 95");
+  AddInteger(cli, "--jpeg-quality", &s.render.jpeg_quality, 1, 100, "Default 95");
 }
 
 void AddOptions(Program& program, Settings& s) {
@@ -197,109 +191,14 @@ Result<Scene> SceneOf(const Settings& s, const FlightSource& source,
   return MakeScene(way, source.gravity, s.scene, std::move(textures));
 }
 
-/// Where the camera is while the shutter is open: once for each pixel that the image moves by.
-std::vector<Pose> PosesOf(const Settings& s, const Scene& scene, const Renderer& renderer,
-                          const Pose& T_b_c, std::int64_t stamp_ns, Flight* flight) {
-  const double open_ns = 1e6 * s.exposure_ms;
-  const auto pose_at = [&](double part) {
-    return scene.ToScene(flight->At(stamp_ns + std::llround((part - 0.5) * open_ns)).T_w_b * T_b_c);
-  };
-  int samples = 1;
-  if (s.exposure_ms > 0.0 && s.blur_samples > 1) {
-    const double motion_px = renderer.MotionBetween(scene, pose_at(0.0), pose_at(1.0));
-    samples = std::clamp(static_cast<int>(std::ceil(motion_px)), 1, s.blur_samples);
-  }
-  std::vector<Pose> poses;
-  for (int k = 0; k < samples; ++k)
-    poses.push_back(pose_at((k + 0.5) / samples));
-  return poses;
-}
-
-struct Figures {
-  int images = 0;
-  double views = 0.0;  // of all images together
-  double render_s = 0.0, write_s = 0.0;
-};
-
-/// Renders and writes all frames; shortens the recording after Ctrl-C.
-Status RenderAll(const Settings& s, const Scene& scene, Flight* flight,
-                 vision::ImageRecording* recording, Figures* figures) {
-  using Clock = std::chrono::steady_clock;
-  const auto since = [](Clock::time_point t) {
-    return std::chrono::duration<double>(Clock::now() - t).count();
-  };
-  PhotometryOptions photometry = s.photometry;
-  photometry.seed = s.seed;
-  std::vector<Renderer> renderers;
-  std::vector<Photometry> sensors;
-  for (std::size_t c = 0; c < recording->cameras.size(); ++c) {
-    const vision::Camera& camera = recording->cameras[c];
-    renderers.emplace_back(camera);
-    sensors.emplace_back(photometry, static_cast<int>(c), camera.width, camera.height);
-  }
-  StatusLine status;
-  std::vector<float> light;
-  std::size_t done = 0;
-  for (const vision::ImageFrame& frame : recording->frames) {
-    for (std::size_t c = 0; c < renderers.size(); ++c) {
-      const auto begin = Clock::now();
-      const auto poses =
-          PosesOf(s, scene, renderers[c], recording->cameras[c].T_b_c, frame.stamp_ns, flight);
-      renderers[c].RenderMoving(scene, poses, &light);
-      const vision::Image image = sensors[c].Capture(light, frame.stamp_ns);
-      figures->render_s += since(begin);
-      const auto rendered = Clock::now();
-      if (Status w = vision::WriteImage(image.view(), frame.files[c], s.jpeg_quality); !w.ok()) {
-        return w;
-      }
-      figures->write_s += since(rendered);
-      figures->views += static_cast<double>(poses.size());
-      ++figures->images;
-    }
-    ++done;
-    status.ShowPart(fmt::format("{}: {:.0f} images/s", s.folder,
-                                figures->images / (figures->render_s + figures->write_s)),
-                    static_cast<double>(done) / static_cast<double>(recording->frames.size()));
-    if (Interrupted()) break;
-  }
-  recording->frames.resize(done);
-  recording->ground_truth.resize(done);
-  return {};
-}
-
-Status WriteTracks(const Settings& s, const FlightSource& source, const Scene& scene,
-                   const vision::ImageRecording& recording) {
-  Viotracks tracks;
-  tracks.origin =
-      "perfect tracks of images rendered by glissade (sim_images), along: " + source.origin;
-  tracks.gravity = source.gravity;
-  for (const vision::Camera& camera : recording.cameras) {
-    const CameraPinhole& f = camera.pinhole();
-    tracks.cameras.push_back({f.fx, f.fy, f.cx, f.cy, camera.width, camera.height,
-                              std::max(s.ideal.noise_px, 0.01), camera.T_b_c});
-  }
-  tracks.imu_noise = recording.imu_noise;
-  tracks.imu_rate_hz = recording.imu_rate_hz;
-  tracks.imu = recording.imu;
-  tracks.ground_truth = recording.ground_truth;
-  IdealTrackOptions options = s.ideal;
-  options.seed = s.seed;
-  IdealTracks tracker(options, recording.cameras);
-  for (std::size_t k = 0; k < recording.frames.size(); ++k) {
-    const auto frame = static_cast<std::int32_t>(k);
-    tracks.frames.push_back({frame, recording.frames[k].stamp_ns});
-    tracker.Observe(scene, scene.ToScene(recording.ground_truth[k].T_w_b), frame, &tracks.tracks);
-  }
-  return WriteViotracks(tracks, s.tracks);
-}
-
 nlohmann::ordered_json BoxJson(const Box& box) {
   return {{"low_m", {box.low[0], box.low[1], box.low[2]}},
           {"high_m", {box.high[0], box.high[1], box.high[2]}}};
 }
 
 nlohmann::ordered_json ToJson(const Settings& s, const Scene& scene,
-                              const vision::ImageRecording& recording, const Figures& figures) {
+                              const vision::ImageRecording& recording,
+                              const RenderFigures& figures) {
   nlohmann::ordered_json json = JsonHeader(kName, s.along);
   json["interrupted"] = Interrupted();
   json["frames"] = recording.frames.size();
@@ -349,7 +248,7 @@ Outcome Run(Settings& s) {
   Flight flight(source->ground_truth, source->imu, source->gravity);
   auto recording = PlanRecording(*source, s.plan, s.folder, &flight);
   if (!recording.ok()) return BadInput(recording.status());
-  s.scene.seed = s.seed;
+  s.scene.seed = s.render.photometry.seed = s.ideal.seed = s.seed;
   const auto scene = SceneOf(s, *source, *recording, &flight);
   if (!scene.ok()) return BadInput(scene.status());
 
@@ -360,11 +259,21 @@ Outcome Run(Settings& s) {
       return Failed({StatusCode::kIoError, s.folder + ": cannot be made: " + error.message()});
     }
   }
-  Figures figures;
-  if (Status r = RenderAll(s, *scene, &flight, &*recording, &figures); !r.ok()) return Failed(r);
+  const auto rendered = [&] {
+    StatusLine status;
+    return RenderRecording(
+        s.render, *scene, &flight, &*recording, [&](const RenderFigures& figures, double part) {
+          status.ShowPart(
+              fmt::format("{}: {:.0f} images/s", s.folder, figures.images / figures.total_s()),
+              part);
+        });
+  }();
+  if (!rendered.ok()) return Failed(rendered.status());
+  const RenderFigures& figures = *rendered;
   if (Status w = vision::WriteEurocRecording(*recording, s.folder); !w.ok()) return Failed(w);
   if (!s.tracks.empty()) {
-    if (Status w = WriteTracks(s, *source, *scene, *recording); !w.ok()) return Failed(w);
+    const Viotracks tracks = PerfectTracks(s.ideal, *recording, *scene, source->gravity);
+    if (Status w = WriteViotracks(tracks, s.tracks); !w.ok()) return Failed(w);
   }
   const Box& room = scene->room;
   Print(

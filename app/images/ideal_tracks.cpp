@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 namespace glissade::app {
@@ -121,6 +122,31 @@ void IdealTracks::Observe(const Scene& scene, const Pose& T_s_b, std::int32_t fr
              tracks);
     }
   }
+}
+
+Viotracks PerfectTracks(const IdealTrackOptions& options, const vision::ImageRecording& recording,
+                        const Scene& scene, const Vector3& gravity) {
+  constexpr double kLeastSigmaPx = 0.01;  // an observation without any has no weight
+  Viotracks tracks;
+  tracks.origin = "perfect tracks of images rendered by glissade (sim_images), seed " +
+                  std::to_string(options.seed);
+  tracks.gravity = gravity;
+  for (const vision::Camera& camera : recording.cameras) {
+    const CameraPinhole& f = camera.pinhole();
+    tracks.cameras.push_back({f.fx, f.fy, f.cx, f.cy, camera.width, camera.height,
+                              std::max(options.noise_px, kLeastSigmaPx), camera.T_b_c});
+  }
+  tracks.imu_noise = recording.imu_noise;
+  tracks.imu_rate_hz = recording.imu_rate_hz;
+  tracks.imu = recording.imu;
+  tracks.ground_truth = recording.ground_truth;
+  IdealTracks tracker(options, recording.cameras);
+  for (std::size_t k = 0; k < recording.frames.size(); ++k) {
+    const auto frame = static_cast<std::int32_t>(k);
+    tracks.frames.push_back({frame, recording.frames[k].stamp_ns});
+    tracker.Observe(scene, scene.ToScene(recording.ground_truth[k].T_w_b), frame, &tracks.tracks);
+  }
+  return tracks;
 }
 
 }  // namespace glissade::app

@@ -9,6 +9,7 @@
 #include "glissade/io/viotracks.h"
 #include "glissade/sim/noise_source.h"
 #include "glissade/vision/camera.h"
+#include "glissade/vision/image_recording.h"
 #include "images/scene.h"
 
 namespace glissade::app {
@@ -48,5 +49,10 @@ class IdealTracks {
   std::vector<Track> tracks_;
   std::int32_t next_id_ = 0;
 };
+
+/// Of all frames of a recording in a scene, at its true poses, with its IMU and its truth. gravity
+/// in W, m/s^2.
+Viotracks PerfectTracks(const IdealTrackOptions& options, const vision::ImageRecording& recording,
+                        const Scene& scene, const Vector3& gravity);
 
 }  // namespace glissade::app
