@@ -53,6 +53,16 @@ if [[ -d $flight ]]; then
   "$bin/vio_replay" "$flight" --states "$results/states.csv" >/dev/null
   "$python" scripts/plot_trajectory.py "$results/states.csv" "$flight" docs/images/window_euroc_v101.png
 fi
+# The front end on real images.
+for name in euroc_mh05_cut:mh05 kitti_cut1:kitti; do
+  images=${GLISSADE_DATA:-}/images/${name%:*}
+  if [[ -d $images && -x $bin/vio_run ]]; then
+    "$bin/vio_run" "$images" --states "$results/states.csv" --save-tracks "$results/tracks" >/dev/null
+    "$python" scripts/plot_trajectory.py "$results/states.csv" "$results/tracks" \
+      "docs/images/front_end_${name#*:}.png"
+    rm -r "$results/tracks"
+  fi
+done
 # A city before and after.
 "$bin/make_data" city "$results/city.bbal" --cameras 1000 >/dev/null
 "$bin/ba_solve" "$results/city.bbal" --linear-solver sparse --output "$results/solved.bbal" >/dev/null
