@@ -54,15 +54,14 @@ if [[ -d $flight ]]; then
   "$python" scripts/plot_trajectory.py "$results/states.csv" "$flight" docs/images/window_euroc_v101.png
 fi
 # The front end on real images.
-for name in euroc_mh05_cut:mh05 kitti_cut1:kitti; do
-  images=${GLISSADE_DATA:-}/images/${name%:*}
-  if [[ -d $images && -x $bin/vio_run ]]; then
-    "$bin/vio_run" "$images" --states "$results/states.csv" --save-tracks "$results/tracks" >/dev/null
-    "$python" scripts/plot_trajectory.py "$results/states.csv" "$results/tracks" \
-      "docs/images/front_end_${name#*:}.png"
-    rm -r "$results/tracks"
-  fi
-done
+draw_run() { # RECORDING PICTURE
+  [[ -d $1 && -x $bin/vio_run ]] || return 0
+  "$bin/vio_run" "$1" --states "$results/states.csv" --save-tracks "$results/tracks" >/dev/null
+  "$python" scripts/plot_trajectory.py "$results/states.csv" "$results/tracks" "$2"
+  rm -r "$results/tracks"
+}
+draw_run "${GLISSADE_DATA:-}/images/euroc_mh05_cut" docs/images/front_end_mh05.png
+draw_run "${GLISSADE_DATA:-}/images/kitti_cut1" docs/images/front_end_kitti.png
 # A city before and after.
 "$bin/make_data" city "$results/city.bbal" --cameras 1000 >/dev/null
 "$bin/ba_solve" "$results/city.bbal" --linear-solver sparse --output "$results/solved.bbal" >/dev/null

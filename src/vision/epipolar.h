@@ -25,12 +25,12 @@ struct TwoViews {
 /// the distance from the nearest pair of points that fits (Hartley and Zisserman, 2nd ed., 11.4.3).
 double EpipolarDistance(const TwoViews& views, const Match& match);
 
-/// Which matches fit a turn (views->R_a_b) and some direction of the way, which are then in *views. Two matches make a hypothesis where the
-/// turn is known: t is normal to both f_a x R f_b. The turn of an IMU whose bias nobody has
-/// estimated yet is wrong by some mrad; so the best hypothesis is refined, with the turn (prior:
-/// sigma max_turn_error, rad) and by all matches within three times the tolerance. tolerance in
-/// normalized coordinates. Without a way, where all points seem to stay, any direction fits and
-/// what is no turn does not. Deterministic. Returns how many fit.
+/// Which matches fit a turn (views->R_a_b) and some direction of the way, which are then in *views.
+/// Two matches make a hypothesis where the turn is known: t is normal to both f_a x R f_b. The turn
+/// of an IMU whose bias nobody has estimated yet is wrong by some mrad; so the best hypothesis is
+/// refined, with the turn (prior: sigma max_turn_error, rad) and by all matches within three times
+/// the tolerance. tolerance in normalized coordinates. Without a way, where all points seem to
+/// stay, any direction fits and what is no turn does not. Deterministic. Returns how many fit.
 int FitMatches(const std::vector<Match>& matches, double max_turn_error, double tolerance,
                TwoViews* views, std::vector<unsigned char>* fits);
 

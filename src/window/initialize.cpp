@@ -25,8 +25,8 @@ constexpr std::int64_t kStandingNs = 1'000'000'000;
 /// that will do, or fewer where these span the time that acceleration takes to show.
 constexpr std::size_t kMostFrames = 20, kEnoughFrames = 10, kFewestFrames = 5;
 constexpr double kEnoughSeconds = 2.0;
-/// An attempt takes many times as long as a frame, and one that has failed will hardly do better with
-/// a single image more: at 20 Hz every second frame.
+/// An attempt takes many times as long as a frame, and one that has failed will hardly do better
+/// with a single image more: at 20 Hz every second frame.
 constexpr double kAttemptSeconds = 0.09;
 
 /// L' L = covariance^-1, scaled to a unit diagonal before it is factored so that units do not

@@ -175,7 +175,9 @@ WindowPhase SlidingWindow::phase() const {
 const InitVerdict& SlidingWindow::init_verdict() const {
   return impl().init_verdict;
 }
-double SlidingWindow::initial_scale_sigma() const { return impl().initial_scale_sigma; }
+double SlidingWindow::initial_scale_sigma() const {
+  return impl().initial_scale_sigma;
+}
 const WindowState& SlidingWindow::newest() const {
   return impl().newest;
 }
