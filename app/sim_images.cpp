@@ -143,7 +143,7 @@ void AddOptions(Program& program, Settings& s) {
             "Distance of the walls from the way (m; default 3)");
   AddNumber(cli, "--floor", &s.scene.floor_m, 0.3, 1000.0, "Of floor and ceiling (m; default 1.5)");
   AddInteger(cli, "--boxes", &s.scene.boxes, 0, 1000,
-             "Boxes and pillars in the room, where they find a place (default 8)");
+             "Boxes and pillars, where they find a place (default: one for 12 m^2, at least 6)");
   cli.add_option("--texture", s.textures,
                  "Picture to paint the room with; may be repeated (default: random shapes)")
       ->type_name("FILE")

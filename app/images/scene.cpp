@@ -3,7 +3,6 @@
 #include "images/scene.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "glissade/sim/noise_source.h"
 
@@ -64,6 +63,11 @@ Box DrawBox(const Box& room, sim::NoiseSource* random) {
   return box;
 }
 
+int UsualBoxes(const Box& room) {
+  const float area = (room.high[0] - room.low[0]) * (room.high[1] - room.low[1]);
+  return std::clamp(static_cast<int>(area / 12.0f), 6, 100);
+}
+
 /// The smallest rotation that makes "up" z.
 Matrix3 Levelling(const Vector3& gravity) {
   const Eigen::Vector3d up = -gravity.normalized();
@@ -106,8 +110,9 @@ Result<Scene> MakeScene(std::span<const Vector3> positions, const Vector3& gravi
   }
   sim::NoiseSource random(options.seed, kSceneStream);
   Paint(scene, &random, &scene.room);
-  for (int tries = 0; tries < 200 * options.boxes; ++tries) {
-    if (static_cast<int>(scene.boxes.size()) == options.boxes) break;
+  const int asked = options.boxes >= 0 ? options.boxes : UsualBoxes(scene.room);
+  for (int tries = 0; tries < 100 * asked; ++tries) {
+    if (static_cast<int>(scene.boxes.size()) == asked) break;
     Box box = DrawBox(scene.room, &random);
     const bool free = std::none_of(scene.boxes.begin(), scene.boxes.end(),
                                    [&](const Box& other) { return Overlap(box, other); });

@@ -39,9 +39,9 @@ struct Hit {
 };
 
 struct SceneOptions {
-  double wall_m = 3.0;   ///< from the box around the flight to the walls
-  double floor_m = 1.5;  ///< to floor and ceiling
-  int boxes = 8;
+  double wall_m = 3.0;       ///< from the box around the flight to the walls
+  double floor_m = 1.5;      ///< to floor and ceiling
+  int boxes = -1;            ///< asked for; -1: one for each 12 m^2 of the floor, at least 6
   double clearance_m = 0.7;  ///< from the flight to a box
   std::uint64_t seed = 1;
 };

@@ -25,18 +25,29 @@ std::vector<std::uint8_t> PixelsOf(const cv::Mat& grey) {
   return pixels;
 }
 
-/// Adds noise that is random every `cell` texels, smooth in between, and goes on at the edges.
-void AddNoise(int cell, double amplitude, sim::NoiseSource* random, cv::Mat* image) {
-  const int cells = image->cols / cell;
-  cv::Mat coarse(cells, cells, CV_32F);
-  for (int y = 0; y < cells; ++y)
-    for (int x = 0; x < cells; ++x)
-      coarse.at<float>(y, x) = static_cast<float>(random->Uniform(-amplitude, amplitude));
-  constexpr int kBorder = 2;  // what a bicubic spline needs
-  cv::Mat wrapped, fine;
-  cv::copyMakeBorder(coarse, wrapped, kBorder, kBorder, kBorder, kBorder, cv::BORDER_WRAP);
-  cv::resize(wrapped, fine, wrapped.size() * cell, 0, 0, cv::INTER_CUBIC);
-  *image += fine(cv::Rect(kBorder * cell, kBorder * cell, image->cols, image->rows));
+/// So many times larger, smooth, as a picture that goes on at its edges.
+cv::Mat Enlarged(const cv::Mat& image, int times) {
+  constexpr int kBorder = 2;  // what bicubic interpolation needs
+  cv::Mat wrapped, large;
+  cv::copyMakeBorder(image, wrapped, kBorder, kBorder, kBorder, kBorder, cv::BORDER_WRAP);
+  cv::resize(wrapped, large, wrapped.size() * times, 0, 0, cv::INTER_CUBIC);
+  return large(cv::Rect(kBorder * times, kBorder * times, image.cols * times, image.rows * times));
+}
+
+/// Random numbers on grids from 4 to kSide / 4 cells wide, smooth in between, those of finer grids
+/// smaller; 16 bits, signed.
+cv::Mat Noise(sim::NoiseSource* random) {
+  double amplitude = 18.0;
+  cv::Mat noise = cv::Mat::zeros(2, 2, CV_32F);
+  while (noise.cols < kSide / 4) {
+    noise = Enlarged(noise, 2).clone();
+    for (int y = 0; y < noise.rows; ++y)
+      for (int x = 0; x < noise.cols; ++x)
+        noise.at<float>(y, x) += static_cast<float>(random->Uniform(-amplitude, amplitude));
+    amplitude *= 0.85;
+  }
+  noise.convertTo(noise, CV_16S);
+  return Enlarged(noise, 4);
 }
 
 constexpr double kMeanGrey = 135.0;
@@ -135,20 +146,13 @@ Texture Texture::Random(std::uint64_t seed) {
       DrawShape(size * random.Uniform(0.7, 1.4), large ? nullptr : &clutter, &random, &shapes);
     }
   }
-  cv::Mat image;
-  shapes.convertTo(image, CV_32F);
-  cv::Mat wrapped;
+  cv::Mat wrapped, image;
   constexpr int kBorder = 8;
-  cv::copyMakeBorder(image, wrapped, kBorder, kBorder, kBorder, kBorder, cv::BORDER_WRAP);
+  cv::copyMakeBorder(shapes, wrapped, kBorder, kBorder, kBorder, kBorder, cv::BORDER_WRAP);
   cv::GaussianBlur(wrapped, wrapped, cv::Size(), 0.7);
-  image = wrapped(cv::Rect(kBorder, kBorder, kSide, kSide)).clone();
-  double amplitude = 18.0;
-  for (int cell = kSide / 4; cell >= 4; cell /= 2) {
-    AddNoise(cell, amplitude, &random, &image);
-    amplitude *= 0.85;
-  }
-  image.convertTo(shapes, CV_8U);
-  return Texture(PixelsOf(shapes), kSide, kTexelM);
+  cv::add(wrapped(cv::Rect(kBorder, kBorder, kSide, kSide)), Noise(&random), image, cv::noArray(),
+          CV_8U);
+  return Texture(PixelsOf(image), kSide, kTexelM);
 }
 
 Result<Texture> Texture::FromFile(const std::string& path, double width_m) {
