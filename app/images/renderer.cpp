@@ -4,12 +4,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace glissade::app {
 
 namespace {
 
 constexpr int kTilePx = 16;
+
+/// A face of the scene as one number: those of the room come first.
+int FaceOf(const Scene& scene, const Hit& hit) {
+  const std::ptrdiff_t box = hit.box == &scene.room ? -1 : hit.box - scene.boxes.data();
+  return 6 * static_cast<int>(box + 1) + hit.face;
+}
+/// The box that it is of; -1: the room.
+int BoxOfFace(int face) {
+  return face / 6 - 1;
+}
+constexpr int kNone = -1;
 
 /// The boxes that rays within an angle of an axis from o can meet, by the spheres around them.
 void CandidatesOf(const Scene& scene, const Vector3& o, const Vector3& axis, double sine,
@@ -147,7 +159,7 @@ struct Renderer::View {
 
 void Renderer::Render(const Scene& scene, const Pose& T_s_c, std::vector<float>* image) {
   image->assign(rays_.size(), 0.0f);
-  faces_.assign(rays_.size(), nullptr);
+  faces_.assign(rays_.size(), kNone);
   const View view(T_s_c);
   std::vector<int> candidates;
   for (const Tile& tile : tiles_) {
@@ -160,7 +172,7 @@ void Renderer::Render(const Scene& scene, const Pose& T_s_c, std::vector<float>*
         float d[3];
         view.Turn(ray, d);
         const Hit hit = scene.Cast(view.o, d, candidates);
-        faces_[i] = &hit.box->faces[static_cast<std::size_t>(hit.face)];
+        faces_[i] = FaceOf(scene, hit);
         (*image)[i] = Shade(scene, hit, view.o, d, hit.t * ray.width, ray.length);
       }
     }
@@ -168,18 +180,27 @@ void Renderer::Render(const Scene& scene, const Pose& T_s_c, std::vector<float>*
   SmoothEdges(scene, view, image);
 }
 
-/// A pixel beside which another face begins is the mean of four rays through it: edges have no
-/// steps that a tracker would take for corners.
+/// A pixel beside which another face begins is the mean of four rays through it, which meet what it
+/// and its neighbours see: edges have no steps that a tracker would take for corners.
 void Renderer::SmoothEdges(const Scene& scene, const View& view, std::vector<float>* image) const {
+  std::vector<int> candidates;
   for (int y = 1; y + 1 < height_; ++y) {
     for (int x = 1; x + 1 < width_; ++x) {
       const std::size_t i = IndexOf(x, y);
       const std::size_t beside[4] = {i - 1, i + 1, IndexOf(x, y - 1), IndexOf(x, y + 1)};
-      const auto* face = faces_[i];
-      const auto has_no_ray = [&](std::size_t j) { return faces_[j] == nullptr; };
-      if (std::all_of(beside, beside + 4, [&](std::size_t j) { return faces_[j] == face; }) ||
-          has_no_ray(i) || std::any_of(beside, beside + 4, has_no_ray)) {
-        continue;
+      const int face = faces_[i];
+      bool is_edge = false, has_rays = face != kNone;
+      for (const std::size_t j : beside) {
+        is_edge = is_edge || faces_[j] != face;
+        has_rays = has_rays && faces_[j] != kNone;
+      }
+      if (!is_edge || !has_rays) continue;
+      candidates.clear();
+      for (const std::size_t j : {i, beside[0], beside[1], beside[2], beside[3]}) {
+        const int box = BoxOfFace(faces_[j]);
+        if (box >= 0 && std::find(candidates.begin(), candidates.end(), box) == candidates.end()) {
+          candidates.push_back(box);
+        }
       }
       float sum = 0.0f;
       for (int k = 0; k < 4; ++k) {
@@ -194,7 +215,7 @@ void Renderer::SmoothEdges(const Scene& scene, const View& view, std::vector<flo
         ray.y = moved(&Ray::y);
         float d[3];
         view.Turn(ray, d);
-        const Hit hit = scene.Cast(view.o, d);
+        const Hit hit = scene.Cast(view.o, d, candidates);
         sum += Shade(scene, hit, view.o, d, hit.t * ray.width, ray.length);
       }
       (*image)[i] = 0.25f * sum;

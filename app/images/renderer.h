@@ -56,8 +56,8 @@ class Renderer {
   double focal_;
   std::vector<Ray> rays_;
   std::vector<Tile> tiles_;
-  std::vector<const Face*> faces_;  // that each pixel sees; null: it has no ray
-  std::vector<float> one_;          // image of a moving camera
+  std::vector<int> faces_;  // that each pixel sees, see FaceOf; kNone: it has no ray
+  std::vector<float> one_;  // image of a moving camera
 };
 
 }  // namespace glissade::app
