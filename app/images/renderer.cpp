@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 namespace glissade::app {
 
@@ -13,13 +12,12 @@ namespace {
 constexpr int kTilePx = 16;
 
 /// A face of the scene as one number: those of the room come first.
-int FaceOf(const Scene& scene, const Hit& hit) {
-  const std::ptrdiff_t box = hit.box == &scene.room ? -1 : hit.box - scene.boxes.data();
-  return 6 * static_cast<int>(box + 1) + hit.face;
+int FaceOf(const Hit& hit) {
+  return 6 * (hit.box - Hit::kRoom) + hit.face;
 }
-/// The box that it is of; -1: the room.
+/// The box that it is of, or Hit::kRoom.
 int BoxOfFace(int face) {
-  return face / 6 - 1;
+  return face / 6 + Hit::kRoom;
 }
 constexpr int kNone = -1;
 
@@ -51,10 +49,11 @@ void CandidatesOf(const Scene& scene, const Vector3& o, const Vector3& axis, dou
 /// samples along it, each as wide as it is across, see details that one as wide as long would blur.
 float Shade(const Scene& scene, const Hit& hit, const float o[3], const float d[3], float width,
             float length) {
-  const Face& face = hit.box->faces[static_cast<std::size_t>(hit.face)];
+  const Box& box = scene.BoxOf(hit);
+  const Face& face = box.faces[static_cast<std::size_t>(hit.face)];
   const int normal = hit.face / 2, a = normal == 0 ? 1 : 0, b = normal == 2 ? 1 : 2;
-  const float u = o[a] + hit.t * d[a] - hit.box->low[a] + face.u_m;
-  const float v = o[b] + hit.t * d[b] - hit.box->low[b] + face.v_m;
+  const float u = o[a] + hit.t * d[a] - box.low[a] + face.u_m;
+  const float v = o[b] + hit.t * d[b] - box.low[b] + face.v_m;
   const Texture& texture = scene.textures[static_cast<std::size_t>(face.texture)];
   constexpr float kMost = 6.0f;
   const float stretch = length / std::max(std::abs(d[normal]), 1e-6f);
@@ -172,7 +171,7 @@ void Renderer::Render(const Scene& scene, const Pose& T_s_c, std::vector<float>*
         float d[3];
         view.Turn(ray, d);
         const Hit hit = scene.Cast(view.o, d, candidates);
-        faces_[i] = FaceOf(scene, hit);
+        faces_[i] = FaceOf(hit);
         (*image)[i] = Shade(scene, hit, view.o, d, hit.t * ray.width, ray.length);
       }
     }
@@ -198,7 +197,8 @@ void Renderer::SmoothEdges(const Scene& scene, const View& view, std::vector<flo
       candidates.clear();
       for (const std::size_t j : {i, beside[0], beside[1], beside[2], beside[3]}) {
         const int box = BoxOfFace(faces_[j]);
-        if (box >= 0 && std::find(candidates.begin(), candidates.end(), box) == candidates.end()) {
+        if (box != Hit::kRoom &&
+            std::find(candidates.begin(), candidates.end(), box) == candidates.end()) {
           candidates.push_back(box);
         }
       }

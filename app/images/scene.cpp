@@ -78,8 +78,8 @@ Matrix3 Levelling(const Vector3& gravity) {
 
 Hit Scene::Cast(const float o[3], const float d[3]) const {
   Hit hit = Cast(o, d, {});
-  for (const Box& box : boxes)
-    CastAtBox(box, o, d, &hit);
+  for (std::size_t k = 0; k < boxes.size(); ++k)
+    if (MeetsBox(boxes[k], o, d, &hit.t, &hit.face)) hit.box = static_cast<int>(k);
   return hit;
 }
 

@@ -34,8 +34,9 @@ struct Box {
 /// Where a ray meets something first: at o + t d.
 struct Hit {
   float t = 0.0f;
-  const Box* box = nullptr;
+  int box = kRoom;  ///< index in the scene's boxes
   int face = 0;
+  static constexpr int kRoom = -1;
 };
 
 struct SceneOptions {
@@ -56,18 +57,25 @@ struct Scene {
   /// length; of the boxes only those at `candidates` (indices).
   [[nodiscard]] Hit Cast(const float o[3], const float d[3],
                          std::span<const int> candidates) const {
-    Hit hit{kFar, &room, 0};
+    float nearest = kFar;
+    int in_box = Hit::kRoom, face = 0;
     for (int k = 0; k < 3; ++k) {
       const int side = d[k] > 0.0f ? 1 : 0;
       const float t = ((side == 1 ? room.high[k] : room.low[k]) - o[k]) / d[k];
-      if (t > 0.0f && t < hit.t) hit = {t, &room, 2 * k + side};
+      if (t > 0.0f && t < nearest) {
+        nearest = t;
+        face = 2 * k + side;
+      }
     }
     for (const int index : candidates)
-      CastAtBox(boxes[static_cast<std::size_t>(index)], o, d, &hit);
-    return hit;
+      if (MeetsBox(boxes[static_cast<std::size_t>(index)], o, d, &nearest, &face)) in_box = index;
+    return {nearest, in_box, face};
   }
   /// The same, of all boxes.
   [[nodiscard]] Hit Cast(const float o[3], const float d[3]) const;
+  [[nodiscard]] const Box& BoxOf(const Hit& hit) const {
+    return hit.box == Hit::kRoom ? room : boxes[static_cast<std::size_t>(hit.box)];
+  }
   /// T_s_c of T_w_c.
   [[nodiscard]] Pose ToScene(const Pose& T_w_c) const;
 
@@ -75,21 +83,26 @@ struct Scene {
   static constexpr float kFar = 1e30f;
 
   /// The slabs of Kay and Kajiya (SIGGRAPH 1986): the last entry comes before the first exit. A
-  /// direction along a slab gives infinite numbers of the right sign.
-  static void CastAtBox(const Box& box, const float o[3], const float d[3], Hit* hit) {
-    float enter = 0.0f, leave = hit->t;
-    int face = -1;
+  /// direction along a slab gives infinite numbers of the right sign. True, and nearest and face of
+  /// the box, where that is nearer.
+  static bool MeetsBox(const Box& box, const float o[3], const float d[3], float* nearest,
+                       int* face) {
+    float enter = 0.0f, leave = *nearest;
+    int at = -1;
     for (int k = 0; k < 3; ++k) {
       const float inverse = 1.0f / d[k];
       const float a = (box.low[k] - o[k]) * inverse, b = (box.high[k] - o[k]) * inverse;
       const float first = a < b ? a : b, last = a < b ? b : a;
       if (first > enter) {
         enter = first;
-        face = 2 * k + (d[k] > 0.0f ? 0 : 1);
+        at = 2 * k + (d[k] > 0.0f ? 0 : 1);
       }
       if (last < leave) leave = last;
     }
-    if (face >= 0 && enter < leave) *hit = {enter, &box, face};
+    if (at < 0 || !(enter < leave)) return false;
+    *nearest = enter;
+    *face = at;
+    return true;
   }
 };
 
