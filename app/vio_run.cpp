@@ -53,7 +53,7 @@ Examples:
   vio_run MH_05 --fault covered@8..10              the camera is covered for 2 s
   vio_run --print-config > my.yaml                 all that can be set, with what it means
   vio_run MH_05 --config my.yaml
-  vio_run MH_05 --save-tracks tracks               then: vio_replay tracks
+  vio_run MH_05 --save-tracks TRACKS               then: vio_replay TRACKS
   vio_run MH_05 --rerun - | scripts/rerun_view.py  watch it
 
 Exit code: 0; 130 after Ctrl-C; 2 where the recording or an option makes no sense; 1 where no first

@@ -85,7 +85,7 @@ class Commands(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             (pathlib.Path(folder) / "data").symlink_to(ROOT / "data")
             for where, words in documented():
-                named = [w for w in words[1:] if re.search(r"\.txt|^[A-Z]+$|\$|\[", w)]
+                named = [w for w in words[1:] if re.search(r"\.txt|\.yaml|^[A-Z][A-Z_0-9]*$|\$|\[", w)]
                 if words[0] not in APPS - NOT_RUN:
                     continue
                 if any(not w.startswith("data/") for w in named) and words[0] != "make_data":
