@@ -12,7 +12,7 @@ import math
 import shutil
 import subprocess
 
-from app_test_util import ROOT, AppTest, main
+from app_test_util import FEW_NO_NUMBERS, ROOT, AppTest, main
 from grey_image import GreyImage, correlation, spread
 
 FLIGHT = ROOT / "data" / "flight"
@@ -359,7 +359,7 @@ class SimImagesTest(AppTest):
             self.check_refused("r", "--along", FLIGHT, f"--size={size}", says="--size")
         (self.folder / "old" / "mav0").mkdir(parents=True)
         self.check_refused("old", "--along", FLIGHT, says="already")
-        self.check_numeric_options("r", "--along", FLIGHT)
+        self.check_numeric_options("r", "--along", FLIGHT, no_numbers=FEW_NO_NUMBERS)
 
     def test_a_folder_without_truth(self):
         shutil.copytree(FLIGHT, self.folder / "blind")
