@@ -24,13 +24,44 @@ glissade_install_library(glissade_io io)
 glissade_install_library(glissade_vision vision)
 glissade_install_library(glissade_ceres ceres_bridge)
 
+# ---- For builds without CMake: pkg-config --cflags --libs glissade [glissade_io glissade_vision] ------
+file(RELATIVE_PATH glissade_pc_prefix "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+string(REGEX REPLACE "/$" "" glissade_pc_prefix "${glissade_pc_prefix}")
+function(glissade_install_pkg_config name description requires libs)
+  set(glissade_pc_name "${name}")
+  set(glissade_pc_description "${description}")
+  set(glissade_pc_requires "${requires}")
+  set(glissade_pc_libs "${libs}")
+  set(glissade_pc_cflags "-std=c++20")
+  configure_file("${PROJECT_SOURCE_DIR}/cmake/glissade.pc.in" "${PROJECT_BINARY_DIR}/${name}.pc" @ONLY)
+  install(FILES "${PROJECT_BINARY_DIR}/${name}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+endfunction()
+
+# A shared library brings along what it needs itself; a static one passes it on.
+set(glissade_pc_private)
+if(GLISSADE_HAVE_METIS AND NOT BUILD_SHARED_LIBS)
+  set(glissade_pc_private " ${GLISSADE_METIS_LIBRARY}")
+endif()
+glissade_install_pkg_config(glissade "${PROJECT_DESCRIPTION}" eigen3
+                            "-lglissade${glissade_pc_private} -pthread")
+if(TARGET glissade_io)
+  glissade_install_pkg_config(glissade_io "Files of glissade" glissade "-lglissade_io -lz -lbz2")
+endif()
+if(TARGET glissade_vision)
+  list(TRANSFORM glissade_opencv_modules PREPEND "-lopencv_" OUTPUT_VARIABLE glissade_pc_opencv)
+  list(JOIN glissade_pc_opencv " " glissade_pc_opencv)
+  glissade_install_pkg_config(glissade_vision "Images for glissade" "glissade_io"
+                              "-lglissade_vision -lyaml-cpp ${glissade_pc_opencv}")
+endif()
+
 if(EXISTS "${PROJECT_SOURCE_DIR}/include/glissade")
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/glissade"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
 endif()
 # README.md names docs/, examples/ and data/ beside it.
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md"
-              "${PROJECT_SOURCE_DIR}/CHANGELOG.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+              "${PROJECT_SOURCE_DIR}/CHANGELOG.md" "${PROJECT_SOURCE_DIR}/CONTRIBUTING.md"
+        DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 foreach(folder IN ITEMS docs examples data)
   if(IS_DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}")
     install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
