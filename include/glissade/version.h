@@ -3,10 +3,12 @@
 #pragma once
 
 /// \file
-/// The version of the headers. CMakeLists.txt reads it from here. Before 1.0 a minor version may change
-/// interfaces and the name of shared libraries (SOVERSION is MAJOR.MINOR); a patch changes neither.
+/// The version of the headers. CMakeLists.txt reads it from here. Before 1.0 a minor version may
+/// change interfaces and the name of shared libraries (SOVERSION is MAJOR.MINOR); a patch changes
+/// neither.
 
-// NOLINTBEGIN(cppcoreguidelines-macro-usage): for the preprocessor of those who support two versions
+// NOLINTBEGIN(cppcoreguidelines-macro-usage): for the preprocessor of those who support two
+// versions
 #define GLISSADE_VERSION_MAJOR 0
 #define GLISSADE_VERSION_MINOR 1
 #define GLISSADE_VERSION_PATCH 0
