@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -85,6 +87,13 @@ struct DoctorCase {
 /// As printf.
 [[nodiscard]] std::string Text(const char* format, ...) GLISSADE_PRINTF;
 #undef GLISSADE_PRINTF
+
+/// A camera in a finding.
+inline std::string CameraName(std::size_t camera) {
+  return Text("camera %zu", camera);
+}
+
+inline constexpr double kDegree = std::numbers::pi / 180.0;  ///< rad
 
 /// p-th part of the values, 0 where there are none. Reorders them.
 double QuantileOf(std::vector<double>* values, double p);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "glissade/base/index.h"
 #include "glissade/lie/so3.h"
@@ -16,8 +15,6 @@
 namespace glissade::internal {
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// The axes of the body that the three of a sensor are, with their signs: the signed permutation
 /// nearest to A, where a reading is A times the truth. Turned through less than 15 degrees, or

@@ -7,7 +7,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "glissade/base/index.h"
 #include "glissade/lie/so3.h"
@@ -17,8 +16,6 @@
 namespace glissade::internal {
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Pairs of the camera between which the IMU has no gap, at any offset that is searched.
 std::vector<DoctorPair> PairsWithImu(const DoctorCase& c, int camera) {

@@ -4,7 +4,6 @@
 // Tracks that two cameras see in one frame, against the cameras' given places on the body.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "glissade/base/index.h"
 #include "glissade/lie/so3.h"
@@ -14,8 +13,6 @@
 namespace glissade::internal {
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Evenly over the recording, not more than some thousands.
 std::vector<TwoViewMatch> MatchesOf(const DoctorCase& c, std::size_t left, std::size_t right) {

@@ -91,10 +91,6 @@ void AddPair(std::size_t camera, std::size_t from, std::size_t to,
   }
 }
 
-std::string CameraName(std::size_t camera) {
-  return Text("camera %zu", camera);
-}
-
 void Report(std::size_t camera, Totals* totals, DoctorCase* c) {
   if (totals->pairs < 5) return;
   const double n = static_cast<double>(totals->matches);

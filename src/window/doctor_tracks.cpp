@@ -33,10 +33,6 @@ DoctorFinding& Report(const Count& count, DoctorKind kind, DoctorSeverity severi
   return f;
 }
 
-std::string CameraName(std::size_t camera) {
-  return Text("camera %zu", camera);
-}
-
 void CheckCameras(DoctorCase* c) {
   const auto cameras = c->input.cameras;
   for (std::size_t i = 0; i < cameras.size(); ++i) {

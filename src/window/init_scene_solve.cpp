@@ -14,7 +14,7 @@ namespace glissade::internal {
 namespace {
 
 /// 0.1 % of chi2 with 2 degrees of freedom, and some more as poses are not exact yet.
-constexpr double kMaxChi2 = 16.0;
+constexpr double kMaxSightChi2 = 16.0;
 
 EdgeReprojectionXYZ EdgeOf(const Scene& scene, const Sight& sight) {
   EdgeReprojectionXYZ edge;
@@ -79,7 +79,7 @@ FrameFit LocateFrame(std::size_t frame, Scene* scene) {
   for (const SightedTrack* track : seen) {
     const auto sight = std::find_if(track->sights.begin(), track->sights.end(), in_frame);
     // Points of the scene so far are not exact, and so neither is this.
-    if (Chi2(*scene, *sight, track->point) < 4.0 * kMaxChi2) ++fit.tracks;
+    if (Chi2(*scene, *sight, track->point) < 4.0 * kMaxSightChi2) ++fit.tracks;
   }
   scene->located[frame] = fit.tracks >= fit.needed;
   return fit;
@@ -125,7 +125,7 @@ Status AdjustScene(std::size_t fixed, std::size_t second, int iterations, Scene*
     int good = 0;
     for (Sight& sight : track.sights) {
       if (!scene->located[sight.frame]) continue;
-      sight.bad = !(Chi2(*scene, sight, track.point) < kMaxChi2);
+      sight.bad = !(Chi2(*scene, sight, track.point) < kMaxSightChi2);
       if (!sight.bad) ++good;
     }
     track.has_point = good >= 2;
