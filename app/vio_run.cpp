@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // From images and an IMU to a trajectory: a front end before a sliding window.
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
@@ -40,7 +43,8 @@ its data.csv and sensor.yaml) or of KITTI odometry (image_0, image_1, calib.txt,
 camera there must be an IMU. The truth, where the recording has it, is for judging alone.
 
 The estimate of a frame is what the window said right after it. Errors are those of vio_replay --help.
-Times are of one thread, without the decoding of image files; --realtime hands frames over at their
+Times are of one thread, without the decoding of image files; while it runs they are those of contrast,
+track, reject, detect, stereo (with two cameras) and window. --realtime hands frames over at their
 own pace and loses those that come while nobody asks, as a camera does.
 
 Kinds of --fault: dropped (every second frame), repeated (every second frame is the one before),
@@ -122,13 +126,22 @@ class LineStream {
   LineStream(const LineStream&) = delete;
   LineStream& operator=(const LineStream&) = delete;
   void Write(const std::string& line) {
-    if (file_ == nullptr) return;
-    std::fwrite(line.data(), 1, line.size(), file_);
-    std::fflush(file_);
+    if (file_ == nullptr || ended_) return;
+    const bool written =
+        std::fwrite(line.data(), 1, line.size(), file_) == line.size() && std::fflush(file_) == 0;
+    if (written) return;
+    ended_ = true;
+    if (errno != EPIPE) failure_ = std::strerror(errno);
+  }
+  [[nodiscard]] Status status() const {
+    if (failure_.empty()) return {};
+    return {StatusCode::kIoError, "--rerun: cannot be written: " + failure_};
   }
 
  private:
   std::FILE* file_ = nullptr;
+  bool ended_ = false;
+  std::string failure_;
 };
 
 Status WriteAll(const Settings& s, const CausalRun& run, const VioSession& session,
@@ -154,6 +167,22 @@ Status WriteAll(const Settings& s, const CausalRun& run, const VioSession& sessi
                          s.report);
 }
 
+/// Whether the first images are of the size that the calibration says.
+Status CheckImages(const vision::ImageRecording& recording, std::size_t first) {
+  for (std::size_t k = 0; k < recording.cameras.size(); ++k) {
+    const std::string& file = recording.frames[first].files[k];
+    if (file.empty()) continue;
+    const auto image = vision::ReadImage(file);
+    if (!image.ok()) return image.status();
+    const vision::Camera& camera = recording.cameras[k];
+    if (image->width == camera.width && image->height == camera.height) continue;
+    return {StatusCode::kInvalidArgument,
+            fmt::format("{}: is {} x {} px, the calibration says {} x {}", file, image->width,
+                        image->height, camera.width, camera.height)};
+  }
+  return {};
+}
+
 Outcome Run(Settings& s) {
   // What cannot be decoded is a status, and needs no second message.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
@@ -168,7 +197,7 @@ Outcome Run(Settings& s) {
   if (!s.report.empty()) {
     if (const Status st = CheckReportPage(); !st.ok()) return BadInput(st);
   }
-  const auto recording = vision::ReadImageRecording(s.folder);
+  const auto recording = vision::ReadImageRecording(s.folder, config.mono ? 1 : 2);
   if (!recording.ok()) return BadInput(recording.status());
   auto window = WindowOptions(*recording, config);
   if (!window.ok()) return BadInput(s.folder + ": " + window.status().message());
@@ -176,8 +205,14 @@ Outcome Run(Settings& s) {
   s.source.mono = config.mono;
   ImageSource source(*recording, s.source);
   if (source.begin() == source.end()) return BadInput(s.folder + ": no frames after --start");
+  if (const Status st = CheckImages(*recording, source.begin()); !st.ok()) return BadInput(st);
+  if (const Status st = vision::FeatureTracker(recording->cameras, config.tracker).Validate();
+      !st.ok()) {
+    return BadInput(s.folder + ": " + st.message());
+  }
   LineStream rerun;
   if (const Status st = rerun.Open(s.rerun); !st.ok()) return BadInput(st);
+  if (!s.rerun.empty()) std::signal(SIGPIPE, SIG_IGN);
 
   RunSettings run_settings;
   run_settings.budget.max_iterations = config.iterations;
@@ -222,12 +257,14 @@ Outcome Run(Settings& s) {
   json["imu"] = has_imu;
   json["clock"] = s.wall ? "wall" : "thread";
   json["duration_s"] = outputs.seconds;
-  json["vision"] = SessionJson(session, source.dropped());
+  json["frames_dropped"] = source.dropped();
+  json["vision"] = SessionJson(session);
   json["interrupted"] = Interrupted();
   if (const Status st = WriteAll(s, run, session, json, errors, has_imu); !st.ok()) {
     return Failed(st);
   }
   if (!stopped.ok()) return Failed(stopped);
+  if (const Status st = rerun.status(); !st.ok()) return Failed(st);
   if (!run.initialized_at_s && !Interrupted()) {
     const InitVerdict& verdict = session.window().init_verdict();
     return Failed(

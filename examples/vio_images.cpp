@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // A visual-inertial odometry from images: a small front end on OpenCV before a SlidingWindow, to
-// start your own from. One camera and an IMU, a recording in EuRoC's layout. Prints the trajectory
-// as TUM has it, and the error where there is a ground truth.
+// start your own from. One camera and an IMU, a recording in EuRoC's layout. Writes the trajectory
+// as TUM has it, and prints the error where there is a ground truth.
 //
-//     vio_images DIRECTORY > trajectory.tum
-//
-// What a front end does that is used in earnest, and this one leaves out, is in docs/front_end.md.
+//     vio_images DIRECTORY trajectory.tum
+// What it leaves out is in docs/front_end.md.
 #include <glissade/eval/absolute_error.h>
 #include <glissade/eval/alignment.h>
 #include <glissade/io/trajectory.h>
@@ -16,6 +15,7 @@
 #include <glissade/vision/image_recording.h>
 #include <glissade/window/sliding_window.h>
 
+#include <cmath>
 #include <cstdio>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -38,7 +38,6 @@ class FrontEnd {
     if (!points_.empty()) Follow(image, turn);
     Detect(image);
     last_ = image;
-
     std::vector<FrameObservation> observations;
     const CameraPinhole& f = camera_.pinhole();
     for (std::size_t k = 0; k < points_.size(); ++k) {
@@ -53,7 +52,7 @@ class FrontEnd {
   [[nodiscard]] Vector2 Ray(const cv::Point2f& p) const {
     const double uv[2] = {p.x, p.y};
     double xy[2] = {0.0, 0.0};
-    camera_.Undistort(uv, xy);
+    if (!camera_.Undistort(uv, xy)) xy[0] = NAN;  // the window leaves it out
     return Vector2(xy[0], xy[1]);
   }
 
@@ -146,7 +145,7 @@ int main(int argc, char** argv) {
   SlidingWindowOptions options;
   options.cameras = {vision::WithoutDistortion(recording->cameras[0], 0.7)};  // sigma in px
   options.imu_noise = recording->imu_noise;
-  if (!options.imu_noise) return Refused({StatusCode::kInvalidArgument, "there must be an IMU"});
+  if (!options.imu_noise) return Refused({StatusCode::kInvalidArgument, "no IMU"});
   options.imu_noise->gyro_noise_density *= 3.0;  // a sensor shakes more than on its data sheet
   options.imu_noise->accel_noise_density *= 3.0;
   if (const Status s = options.Validate(); !s.ok()) return Refused(s);
@@ -158,8 +157,11 @@ int main(int argc, char** argv) {
   std::int64_t last_stamp = 0;
   eval::Trajectory trajectory;
   for (const vision::ImageFrame& frame : recording->frames) {
+    if (frame.files[0].empty()) continue;  // the second camera alone has one
     const auto image = vision::ReadImage(frame.files[0]);
     if (!image.ok()) return Refused(image.status());
+    if (image->width != recording->cameras[0].width)
+      return Refused({StatusCode::kParseError, "size"});
     const cv::Mat grey(image->height, image->width, CV_8UC1,
                        const_cast<std::uint8_t*>(image->pixels.data()));
 
@@ -169,7 +171,6 @@ int main(int argc, char** argv) {
       ++end;
     static_cast<void>(window.AddImu(imu.subspan(next_imu, end - next_imu)));
     next_imu = end;
-
     ImuBias bias;  // the window's, once it has one
     if (window.phase() == WindowPhase::kRunning) bias.bg = window.newest().speed_bias.bg();
     const auto turn = vision::IntegrateGyro(imu, last_stamp, frame.stamp_ns, bias);
@@ -183,7 +184,6 @@ int main(int argc, char** argv) {
   }
   if (trajectory.empty()) return Refused(window.init_verdict().ToStatus());
   if (const Status s = WriteTumTrajectory(trajectory, argv[2]); !s.ok()) return Refused(s);
-
   eval::Trajectory truth;
   for (const GroundTruthState& state : recording->ground_truth)
     truth.push_back({state.stamp_ns, state.T_w_b});

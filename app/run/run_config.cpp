@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -281,6 +282,9 @@ Status ReadConfig(const std::string& path, RunConfig* config) {
   if (!in) return {StatusCode::kIoError, path + ": cannot be opened"};
   std::stringstream text;
   text << in.rdbuf();
+  if (!in || std::filesystem::is_directory(path)) {
+    return {StatusCode::kIoError, path + ": cannot be read"};
+  }
   RunConfig read = *config;
   const auto failed = [&](int line, const std::string& what) {
     return Status(StatusCode::kParseError, fmt::format("{}:{}: {}", path, line, what));

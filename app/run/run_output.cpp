@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "glissade/eval/alignment.h"
 #include "glissade/eval/association.h"
 #include "glissade/eval/statistics.h"
+#include "glissade/problem/problem.h"
 #include "replay/consistency.h"
 #include "run/report_page.h"
 
@@ -90,10 +92,7 @@ Json StatesOf(const ReportInput& in) {
   if (in.run.estimates.empty()) return s;
   const eval::Trajectory truth = ReferenceOf(in.session.tracks());
   for (const FrameEstimate& e : in.run.estimates) {
-    const auto frame =
-        std::lower_bound(in.session.frames().begin(), in.session.frames().end(), e.frame,
-                         [](const VisionFrame& f, std::size_t k) { return f.frame < k; });
-    s["t"].push_back(frame == in.session.frames().end() ? 0.0 : frame->t);
+    s["t"].push_back(in.session.SecondsOf(e.state.stamp_ns));
     const std::span<const double> pose(e.state.T_w_b.data);
     s["p"].push_back(Rounded(pose.first(3), 1e-4));
     s["q"].push_back(Rounded(pose.subspan(3, 4), 1e-6));
@@ -126,13 +125,9 @@ Json TruthOf(const ReportInput& in) {
   const auto alignment = eval::Align(*matched, {.kind = kind});
   if (!alignment.ok()) return nullptr;
   const Pose T_e_r = alignment->T_r_e.Inverse();
-  const auto zero = in.run.estimates.front();
-  const auto frame = std::find_if(in.session.frames().begin(), in.session.frames().end(),
-                                  [&](const VisionFrame& f) { return f.frame == zero.frame; });
-  const double t0 = frame == in.session.frames().end() ? 0.0 : frame->t;
   Json out = {{"t", Json::array()}, {"p", Json::array()}};
   for (const eval::StampedPose& pose : matched->reference) {
-    out["t"].push_back(t0 + 1e-9 * static_cast<double>(pose.stamp_ns - zero.state.stamp_ns));
+    out["t"].push_back(in.session.SecondsOf(pose.stamp_ns));
     const Vector3 p = T_e_r * Vector3(pose.T_w_b.p());
     out["p"].push_back(Rounded({p.data(), 3}, 1e-4));
   }
@@ -192,9 +187,8 @@ void PrintSession(const VioSession& session) {
   }
 }
 
-Json SessionJson(const VioSession& session, std::int64_t dropped) {
+Json SessionJson(const VioSession& session) {
   Json j;
-  j["frames_dropped"] = dropped;
   j["initial_scale_sigma_percent"] = 100.0 * session.window().initial_scale_sigma();
   j["features_mean"] = Mean(session, &VisionFrame::features);
   j["stereo_mean"] = MeanOf(session, &vision::TrackerReport::stereo);
@@ -262,13 +256,18 @@ std::string RerunLine(const VioSession& session, const std::string& image) {
     const Pose& T = session.window().newest().T_w_b;
     j["p"] = {T.data[0], T.data[1], T.data[2]};
     j["q"] = {T.data[3], T.data[4], T.data[5], T.data[6]};
-    for (const auto& entry : session.landmarks())
-      j["landmarks"].push_back(Rounded({entry.second.data(), 3}, 1e-3));
+    const Problem& problem = session.window().problem();
+    for (const WindowLandmark& landmark : session.window().view().landmarks) {
+      if (!landmark.InGraph()) continue;
+      if (const VertexPointXYZ* point = problem.Find(landmark.point)) {
+        j["landmarks"].push_back(Rounded(point->data, 1e-3));
+      }
+    }
   }
   for (const vision::Feature& f : session.tracker().features())
     if (f.camera == 0) j["features"].push_back({f.px[0], f.px[1], f.age});
-  j["image"] = image;
-  return j.dump() + "\n";
+  j["image"] = std::filesystem::absolute(image).string();
+  return j.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace glissade::app

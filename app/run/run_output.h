@@ -15,7 +15,7 @@ namespace glissade::app {
 void PrintSession(const VioSession& session);
 
 /// "vision": features, events, ms of each stage; beside the keys of vio_replay.
-nlohmann::ordered_json SessionJson(const VioSession& session, std::int64_t dropped);
+nlohmann::ordered_json SessionJson(const VioSession& session);
 
 struct ReportInput {
   std::string title, origin;

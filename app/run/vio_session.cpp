@@ -56,8 +56,12 @@ VioSession::VioSession(const vision::ImageRecording& recording, const RunConfig&
       tracker_(CamerasOf(recording, config), TrackerOptionsOf(config)),
       runner_(settings, options, first_stamp_ns_) {
   std::vector<std::int64_t> gaps;
-  for (std::size_t k = 1; k < recording.frames.size(); ++k)
-    gaps.push_back(recording.frames[k].stamp_ns - recording.frames[k - 1].stamp_ns);
+  const vision::ImageFrame* last = nullptr;
+  for (const vision::ImageFrame& frame : recording.frames) {
+    if (frame.files[0].empty()) continue;
+    if (last != nullptr) gaps.push_back(frame.stamp_ns - last->stamp_ns);
+    last = &frame;
+  }
   if (!gaps.empty()) {
     const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
     std::nth_element(gaps.begin(), middle, gaps.end());
@@ -124,8 +128,8 @@ void VioSession::Take(const SourceFrame& source) {
   frame.running = window().phase() == WindowPhase::kRunning;
   frames_.push_back(frame);
   NoteEvents(frame, tracked);
-  if (!tracked.ok()) return;
   if (outputs_.tracks) NoteTracks(delivery);
+  if (!tracked.ok()) return;
   if (outputs_.landmarks) NoteLandmarks();
   if (outputs_.thumbnails > 0) {
     NoteTails();
@@ -144,9 +148,10 @@ void VioSession::NoteEvents(const VisionFrame& frame, const Status& tracked) {
     if (window().recent_events()[event] > 0) now.emplace_back(ToString(event));
   }
   if (frames_.size() > 1) {
-    const double gap = frame.t - frames_[frames_.size() - 2].t;
+    const double gap = frame.t - latest_t_;
     if (gap > 1.6e-9 * static_cast<double>(period_ns_)) now.emplace_back("frame missing");
   }
+  latest_t_ = std::max(latest_t_, frame.t);
   // The window refuses what the tracker refuses, but an image of another size.
   if (!tracked.ok() && window().recent_events()[WindowEvent::kFrameRefused] == 0) {
     now.push_back(tracked.message());
@@ -206,27 +211,33 @@ void VioSession::NoteThumbnail(const SourceFrame& frame, double t) {
 }
 
 void VioSession::NoteTracks(const Delivery& delivery) {
+  tracks_.imu.insert(tracks_.imu.end(), delivery.imu.begin(), delivery.imu.end());
+  if (window().recent_events()[WindowEvent::kFrameRefused] > 0) return;
   const auto index = static_cast<std::int32_t>(tracks_.frames.size());
   tracks_.frames.push_back({static_cast<std::int32_t>(delivery.frame), delivery.stamp_ns});
-  tracks_.imu.insert(tracks_.imu.end(), delivery.imu.begin(), delivery.imu.end());
   for (const FrameObservation& o : delivery.observations) {
     tracks_.tracks.push_back({index, static_cast<std::int32_t>(o.track), o.camera, o.u, o.v});
   }
 }
 
+double VioSession::SecondsOf(std::int64_t stamp_ns) const {
+  return 1e-9 * static_cast<double>(stamp_ns - first_stamp_ns_);
+}
+
 std::string VioSession::StatusText() const {
   if (frames_.empty()) return {};
   const VisionFrame& f = frames_.back();
-  std::string where = "looking for a first state";
+  std::string where = "looking for a start";
   if (f.running) {
     const auto p = window().newest().T_w_b.p();
-    where = fmt::format("p {:.2f} {:.2f} {:.2f} m", p[0], p[1], p[2]);
+    where = fmt::format("at {:.2f} {:.2f} {:.2f} m", p[0], p[1], p[2]);
   }
-  return fmt::format(
-      "{:.1f} s  {}  {} features  ms: contrast {:.1f}, track {:.1f}, reject {:.1f}, detect {:.1f}, "
-      "stereo {:.1f}, window {:.1f}",
-      f.t, where, f.features, f.report.contrast_ms, f.report.track_ms, f.report.reject_ms,
-      f.report.detect_ms, f.report.stereo_ms, f.window_ms);
+  // Within the 79 columns of a terminal.
+  std::string stages = fmt::format("{:.1f}+{:.1f}+{:.1f}+{:.1f}", f.report.contrast_ms,
+                                   f.report.track_ms, f.report.reject_ms, f.report.detect_ms);
+  if (tracker_.cameras().size() > 1) stages += fmt::format("+{:.1f}", f.report.stereo_ms);
+  return fmt::format("{:.1f} s, {}, {} features, {}+{:.1f} ms", f.t, where, f.features, stages,
+                     f.window_ms);
 }
 
 }  // namespace glissade::app

@@ -76,7 +76,10 @@ class VioSession {
   [[nodiscard]] const Viotracks& tracks() const { return tracks_; }
   [[nodiscard]] const vision::FeatureTracker& tracker() const { return tracker_; }
   [[nodiscard]] const SlidingWindow& window() const { return runner_.window(); }
-  /// "12.3 s  p 1.20 -0.35 0.80 m  150 features  running  track 3.1, ... ms"
+  /// s, after the first frame.
+  [[nodiscard]] double SecondsOf(std::int64_t stamp_ns) const;
+  /// "12.3 s, at 1.20 -0.35 0.80 m, 150 features, 2.1+2.7+0.3+1.0+4.6+1.5 ms": contrast, track,
+  /// reject, detect, stereo (of two cameras), window.
   [[nodiscard]] std::string StatusText() const;
 
  private:
@@ -97,6 +100,7 @@ class VioSession {
   std::vector<VisionFrame> frames_;
   std::vector<RunEvent> events_;
   std::map<std::string, std::size_t> last_event_;  // of each kind
+  double latest_t_ = 0.0;                          // s, of the frames until now
   std::int64_t period_ns_ = 0;                     // the usual time between frames
   std::vector<Thumbnail> thumbnails_;
   double next_thumbnail_s_ = 0.0;

@@ -178,7 +178,14 @@ Status WriteViotracks(const Viotracks& recording, const std::string& folder) {
       return s;
     }
   }
-  if (recording.ground_truth.empty()) return {};
+  // What an earlier recording has left in the folder is no part of this one.
+  for (const char* name : {"frames.csv", "tracks.csv", "imu.csv", "groundtruth.csv"})
+    std::filesystem::remove(to / name, error);
+  if (!recording.imu_noise) std::filesystem::remove(to / "imu.csv.gz", error);
+  if (recording.ground_truth.empty()) {
+    std::filesystem::remove(to / "groundtruth.csv.gz", error);
+    return {};
+  }
   return WriteEurocGroundTruth(recording.ground_truth, (to / "groundtruth.csv.gz").string());
 }
 

@@ -21,8 +21,8 @@ void CornerDetector::Detect(const FrameImage& image, const std::vector<cv::Point
   const int cell = std::max(4, options.cell_px / scale);
   const int columns = half.cols / cell + 1, rows = half.rows / cell + 1;
   const auto cell_of = [&](float x, float y) {
-    const int c = std::clamp(static_cast<int>(x) / options.cell_px, 0, columns - 1);
-    const int r = std::clamp(static_cast<int>(y) / options.cell_px, 0, rows - 1);
+    const int c = std::clamp(static_cast<int>(x) / (cell * scale), 0, columns - 1);
+    const int r = std::clamp(static_cast<int>(y) / (cell * scale), 0, rows - 1);
     return static_cast<std::size_t>(r * columns + c);
   };
   by_cell_.resize(static_cast<std::size_t>(columns * rows));
@@ -63,8 +63,8 @@ void CornerDetector::Detect(const FrameImage& image, const std::vector<cv::Point
     const cv::Point2f p(static_cast<float>(candidate.x * scale),
                         static_cast<float>(candidate.y * scale));
     bool crowded = false;
-    const int c = static_cast<int>(p.x) / options.cell_px,
-              r = static_cast<int>(p.y) / options.cell_px;
+    const int c = static_cast<int>(p.x) / (cell * scale),
+              r = static_cast<int>(p.y) / (cell * scale);
     for (int y = std::max(0, r - 1); y <= std::min(rows - 1, r + 1) && !crowded; ++y) {
       for (int x = std::max(0, c - 1); x <= std::min(columns - 1, c + 1) && !crowded; ++x) {
         for (const cv::Point2f& other : by_cell_[static_cast<std::size_t>(y * columns + x)]) {

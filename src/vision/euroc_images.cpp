@@ -29,7 +29,7 @@ Status ReadImageList(const fs::path& folder, int k, std::map<std::int64_t, Image
   constexpr auto kLimits = std::numeric_limits<std::int64_t>();
   while (in.NextRow()) {
     in.ExpectFields(2, "timestamp_ns, file name");
-    const std::int64_t stamp = in.Integer(0, kLimits.min(), kLimits.max(), "timestamp_ns");
+    const std::int64_t stamp = in.Integer(0, kLimits.min() / 2, kLimits.max() / 2, "timestamp_ns");
     const std::string file = (folder / "data" / std::string(in.Text(1))).string();
     if (in.ok() && last && stamp <= *last) {
       in.Fail("timestamp " + std::to_string(stamp) + " is not later than " + std::to_string(*last));
@@ -76,13 +76,14 @@ Status ReadImu(const fs::path& mav, ImageRecording* recording) {
 
 }  // namespace
 
-Result<ImageRecording> internal::ReadEurocImages(const std::string& folder) {
-  const fs::path mav(folder);
+Result<ImageRecording> internal::ReadEurocImages(const std::string& folder, int max_cameras) {
+  std::error_code error;
+  fs::path mav = fs::weakly_canonical(fs::path(folder), error);
+  if (error) mav = folder;
   ImageRecording recording;
   recording.layout = "EuRoC";
   std::map<std::int64_t, ImageFrame> frames;
-  std::error_code error;
-  for (int k = 0; k < 2; ++k) {
+  for (int k = 0; k < max_cameras; ++k) {
     const fs::path camera_folder = mav / CameraName(k);
     if (k > 0 && !fs::is_directory(camera_folder, error)) break;
     const auto camera = ReadCamera(mav, k);
@@ -90,12 +91,21 @@ Result<ImageRecording> internal::ReadEurocImages(const std::string& folder) {
     recording.cameras.push_back(*camera);
     if (Status s = ReadImageList(camera_folder, k, &frames); !s.ok()) return s;
   }
+  std::size_t seen_by_all = 0, seen_by_first = 0;
   for (auto& [stamp, frame] : frames) {
     frame.files.resize(recording.cameras.size());
+    seen_by_first += frame.files.front().empty() ? 0 : 1;
+    seen_by_all += frame.files.front().empty() || frame.files.back().empty() ? 0 : 1;
     recording.frames.push_back(std::move(frame));
   }
   if (recording.frames.empty()) {
     return Status(StatusCode::kParseError, (mav / "cam0/data.csv").string() + ":1: no frames");
+  }
+  if (10 * seen_by_all < seen_by_first || seen_by_first == 0) {
+    const std::string list = (mav / "cam1/data.csv").string();
+    return Status(StatusCode::kParseError,
+                  list + ":1: of " + std::to_string(seen_by_first) + " frames of cam0 only " +
+                      std::to_string(seen_by_all) + " have the same stamp in cam1");
   }
   if (fs::is_directory(mav / "imu0", error)) {
     if (Status s = ReadImu(mav, &recording); !s.ok()) return s;

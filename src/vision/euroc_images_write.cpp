@@ -126,7 +126,8 @@ Status Check(const ImageRecording& recording) {
   }
   if (recording.imu_noise) {
     if (Status s = recording.imu_noise->Validate(); !s.ok()) return s;
-    if (!(recording.imu_rate_hz > 0.0)) return refused("the rate of the IMU must be > 0");
+    if (!(recording.imu_rate_hz > 0.0 && recording.imu_rate_hz < 1e9))
+      return refused("the rate of the IMU must be > 0");
   }
   for (const ImuSample& sample : recording.imu) {
     if (!sample.gyro.allFinite() || !sample.accel.allFinite()) {

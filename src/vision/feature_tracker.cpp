@@ -56,6 +56,17 @@ Status FeatureTracker::Impl::Check() const {
   if (cameras.empty() || cameras.size() > 2) return Refused("one or two cameras are tracked in");
   for (const Camera& camera : cameras)
     if (Status s = camera.Validate(); !s.ok()) return s;
+  if (cameras.size() > 1) {
+    const Camera &a = cameras[0], &b = cameras[1];
+    if (a.width != b.width || a.height != b.height) {
+      return Refused("images of a stereo pair must be of one size: " + std::to_string(a.width) +
+                     " x " + std::to_string(a.height) + " and " + std::to_string(b.width) + " x " +
+                     std::to_string(b.height) + " px");
+    }
+    if (!((a.T_b_c.p() - b.T_b_c.p()).norm() > 1e-6)) {
+      return Refused("the cameras of a stereo pair must not be in one place");
+    }
+  }
   return options.Validate();
 }
 
@@ -83,7 +94,8 @@ Status FeatureTracker::Impl::CheckFrame(std::int64_t stamp_ns, std::span<const I
   }
   if (turn) {
     const Matrix3& R = turn->R_from_to;
-    if (!((R.transpose() * R - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-6)) {
+    if (!((R.transpose() * R - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-6) ||
+        R.determinant() < 0.0) {
       return Refused("the turn of the body is no rotation");
     }
   }
@@ -110,18 +122,23 @@ bool FeatureTracker::Impl::Shows(const ImageView& image) {
                               : TrackerEvent::kImageFlat);
     return false;
   }
-  if (!last_raw.empty() && SameImage(last_raw, image)) {
-    // Noise makes every image another one: a driver has handed this one over twice, or the camera
-    // hangs. Features that stay where they are would be believed.
+  if (IsRepeated(image, &last_raw[0])) {
     Raise(TrackerEvent::kImageRepeated);
     return false;
   }
-  last_raw.create(image.height, image.width, CV_8UC1);
+  return true;
+}
+
+bool FeatureTracker::Impl::IsRepeated(const ImageView& image, cv::Mat* last) {
+  // Noise makes every image another one: a driver has handed this one over twice, or the camera
+  // hangs. Features that stay where they are would be believed.
+  if (!last->empty() && SameImage(*last, image)) return true;
+  last->create(image.height, image.width, CV_8UC1);
   for (int y = 0; y < image.height; ++y) {
-    std::memcpy(last_raw.ptr(y), image.data + static_cast<std::size_t>(y) * image.stride,
+    std::memcpy(last->ptr(y), image.data + static_cast<std::size_t>(y) * image.stride,
                 static_cast<std::size_t>(image.width));
   }
-  return true;
+  return false;
 }
 
 void FeatureTracker::Impl::Publish(const std::vector<internal::Tracked>& tracked) {
@@ -139,7 +156,7 @@ void FeatureTracker::Impl::TrackFrame(std::int64_t stamp_ns, std::span<const Ima
   features.clear();
   now_ns = stamp_ns;
   if (!Shows(images[0])) {
-    if (!tracks.empty() && now_ns - reference_ns > options.max_blind_ns) {
+    if (!tracks.empty() && NanosecondsBetween(reference_ns, now_ns) > options.max_blind_ns) {
       tracks.clear();
       Raise(TrackerEvent::kTracksLost);
     }
@@ -164,6 +181,10 @@ FeatureTracker::FeatureTracker(std::vector<Camera> cameras, const TrackerOptions
 FeatureTracker::~FeatureTracker() = default;
 FeatureTracker::FeatureTracker(FeatureTracker&&) noexcept = default;
 FeatureTracker& FeatureTracker::operator=(FeatureTracker&&) noexcept = default;
+
+Status FeatureTracker::Validate() const {
+  return impl_->valid;
+}
 
 Status FeatureTracker::Track(std::int64_t stamp_ns, std::span<const ImageView> images,
                              const std::optional<BodyTurn>& turn, TrackerReport* report) {
@@ -227,6 +248,8 @@ const TrackerOptions& FeatureTracker::options() const {
 
 void FeatureTracker::Reset() {
   impl_->tracks.clear();
+  for (cv::Mat& last : impl_->last_raw)
+    last.release();
   impl_->features.clear();
   impl_->observations.clear();
   impl_->R_reference_now = Matrix3::Identity();

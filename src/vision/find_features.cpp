@@ -33,7 +33,8 @@ void FeatureTracker::Impl::DetectCorners() {
 
 void FeatureTracker::Impl::MatchSecondCamera(const ImageView& image) {
   const Stopwatch watch(&report.stereo_ms);
-  if (image.empty() || internal::GreyValuesOf(image).deviation < options.min_contrast) {
+  if (image.empty() || internal::GreyValuesOf(image).deviation < options.min_contrast ||
+      IsRepeated(image, &last_raw[1])) {
     Raise(TrackerEvent::kSecondCameraLost);
     return;
   }
@@ -65,7 +66,7 @@ void FeatureTracker::Impl::MatchSecondCamera(const ImageView& image) {
     if (lk.found[i] == 0 || !cameras[1].Undistort(uv, xy)) continue;
     const double rho = stereo->InverseDepth(t.xy, xy);
     // A little beyond infinity is what noise makes of far points.
-    const double beyond = -2.0 * tolerance / cameras[1].T_b_c.p().cwiseAbs().maxCoeff();
+    const double beyond = -2.0 * tolerance / stereo->baseline();
     if (stereo->Distance(t.xy, xy) > tolerance || !(rho < 1.0 / options.min_depth_m) ||
         rho < std::min(beyond, -1e-3)) {
       ++report.rejected;

@@ -56,7 +56,7 @@ void FeatureTracker::Impl::FollowFeatures() {
   tracks = std::move(found);
   if (before.size() < 20 || 3 * tracks.size() >= before.size()) return;
   Raise(TrackerEvent::kImageBlurred);
-  if (now_ns - reference_ns > options.max_blind_ns) {
+  if (NanosecondsBetween(reference_ns, now_ns) > options.max_blind_ns) {
     Raise(TrackerEvent::kTracksLost);
     return;
   }
@@ -82,7 +82,7 @@ void FeatureTracker::Impl::RejectOutliers(const std::vector<Tracked>& before,
   if (turn) {
     internal::TwoViews views;
     views.R_a_b = *turn;
-    const double seconds = 1e-9 * static_cast<double>(now_ns - reference_ns);
+    const double seconds = SecondsBetween(reference_ns, now_ns);
     internal::FitMatches(matches, std::max(1e-4, kBiasSigma * seconds), tolerance, &views, &fits);
   } else {
     internal::FitMatchesBlind(matches, tolerance, &fits);

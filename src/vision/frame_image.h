@@ -52,7 +52,8 @@ struct LkResult {
 };
 
 /// Lucas and Kanade's tracker from `guess`, there and back. Found: inside the image, with a patch
-/// that has a gradient of at least min_gradient, and back within max_back_px. `levels` beyond the
+/// that has an eighth of a corner's gradient (min_corner), and back within
+/// max_forward_backward_px. `levels` beyond the
 /// image itself.
 void TrackThereAndBack(const FrameImage& from, const FrameImage& to,
                        const std::vector<cv::Point2f>& points,

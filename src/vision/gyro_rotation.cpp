@@ -26,7 +26,7 @@ std::optional<BodyTurn> IntegrateGyro(std::span<const ImuSample> samples, std::i
     std::int64_t until = to_ns;
     if (next != samples.end()) {
       if (next->stamp_ns <= at->stamp_ns || far(at->stamp_ns, next->stamp_ns)) return {};
-      until = std::min(to_ns, at->stamp_ns + (next->stamp_ns - at->stamp_ns) / 2);
+      until = std::min(to_ns, at->stamp_ns + NanosecondsBetween(at->stamp_ns, next->stamp_ns) / 2);
     } else if (far(at->stamp_ns, to_ns)) {
       return {};
     }

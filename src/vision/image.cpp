@@ -57,13 +57,14 @@ cv::Mat AsMat(const ImageView& image) {
                  image.stride);
 }
 
+/// `path` and `code` are for what OpenCV throws.
 template <class F>
-auto OrStatus(F&& f) -> decltype(f()) {
+auto OrStatus(const std::string& path, StatusCode code, F&& f) -> decltype(f()) {
   return glissade::internal::OrOutOfMemory([&]() -> decltype(f()) {
     try {
       return f();
     } catch (const cv::Exception& e) {
-      return Status(StatusCode::kEvaluationFailed, "OpenCV: " + e.err);
+      return Status(code, path + ": OpenCV: " + e.err);
     }
   });
 }
@@ -71,12 +72,12 @@ auto OrStatus(F&& f) -> decltype(f()) {
 }  // namespace
 
 Result<Image> ReadImage(const std::string& path) {
-  return OrStatus([&]() -> Result<Image> {
+  return OrStatus(path, StatusCode::kParseError, [&]() -> Result<Image> {
     const auto bytes = ReadBytes(path);
     if (!bytes.ok()) return bytes.status();
     if (bytes->empty()) return Status(StatusCode::kParseError, path + ": the file is empty");
     if (IsCutOff(*bytes)) return Status(StatusCode::kParseError, path + ": the image is cut off");
-    const cv::Mat grey = cv::imdecode(*bytes, cv::IMREAD_GRAYSCALE);
+    const cv::Mat grey = cv::imdecode(*bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
     if (grey.empty()) {
       return Status(StatusCode::kParseError, path + ": no image that can be decoded");
     }
@@ -94,8 +95,10 @@ Result<Image> ReadImage(const std::string& path) {
 }
 
 Status WriteImage(const ImageView& image, const std::string& path, int jpeg_quality) {
-  return OrStatus([&]() -> Status {
-    if (image.empty()) return {StatusCode::kInvalidArgument, path + ": an empty image"};
+  return OrStatus(path, StatusCode::kIoError, [&]() -> Status {
+    if (image.empty() || image.stride < static_cast<std::size_t>(image.width)) {
+      return {StatusCode::kInvalidArgument, path + ": an empty image, or rows that overlap"};
+    }
     const bool jpeg = path.ends_with(".jpg") || path.ends_with(".jpeg");
     std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 1};
     if (jpeg) parameters = {cv::IMWRITE_JPEG_QUALITY, jpeg_quality};
@@ -111,19 +114,20 @@ Status WriteImage(const ImageView& image, const std::string& path, int jpeg_qual
 }
 
 Result<std::vector<std::uint8_t>> EncodeJpeg(const ImageView& image, int shrink, int quality) {
-  return OrStatus([&]() -> Result<std::vector<std::uint8_t>> {
-    if (image.empty() || shrink < 1 || shrink > std::min(image.width, image.height)) {
-      return Status(StatusCode::kInvalidArgument, "an empty image, or nothing left of it");
-    }
-    cv::Mat small;
-    cv::resize(AsMat(image), small, cv::Size(image.width / shrink, image.height / shrink), 0, 0,
-               cv::INTER_AREA);
-    Bytes bytes;
-    if (!cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, quality})) {
-      return Status(StatusCode::kEvaluationFailed, "the image cannot be encoded");
-    }
-    return bytes;
-  });
+  return OrStatus(
+      "JPEG", StatusCode::kEvaluationFailed, [&]() -> Result<std::vector<std::uint8_t>> {
+        if (image.empty() || shrink < 1 || shrink > std::min(image.width, image.height)) {
+          return Status(StatusCode::kInvalidArgument, "an empty image, or nothing left of it");
+        }
+        cv::Mat small;
+        cv::resize(AsMat(image), small, cv::Size(image.width / shrink, image.height / shrink), 0, 0,
+                   cv::INTER_AREA);
+        Bytes bytes;
+        if (!cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, quality})) {
+          return Status(StatusCode::kEvaluationFailed, "the image cannot be encoded");
+        }
+        return bytes;
+      });
 }
 
 }  // namespace glissade::vision

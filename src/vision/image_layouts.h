@@ -9,7 +9,7 @@
 namespace glissade::vision::internal {
 
 /// `mav` is the folder that holds cam0.
-Result<ImageRecording> ReadEurocImages(const std::string& mav);
-Result<ImageRecording> ReadKittiImages(const std::string& folder);
+Result<ImageRecording> ReadEurocImages(const std::string& mav, int max_cameras);
+Result<ImageRecording> ReadKittiImages(const std::string& folder, int max_cameras);
 
 }  // namespace glissade::vision::internal

@@ -11,15 +11,20 @@ namespace glissade::vision {
 
 namespace fs = std::filesystem;
 
-Result<ImageRecording> ReadImageRecording(const std::string& folder) {
+Result<ImageRecording> ReadImageRecording(const std::string& folder, int max_cameras) {
   return glissade::internal::OrOutOfMemory([&]() -> Result<ImageRecording> {
+    if (max_cameras < 1 || max_cameras > 2) {
+      return Status(StatusCode::kInvalidArgument, "max_cameras must be 1 or 2");
+    }
     std::error_code error;
     const fs::path root(folder);
     if (fs::is_directory(root / "mav0", error)) {
-      return internal::ReadEurocImages((root / "mav0").string());
+      return internal::ReadEurocImages((root / "mav0").string(), max_cameras);
     }
-    if (fs::is_directory(root / "cam0", error)) return internal::ReadEurocImages(folder);
-    if (fs::is_directory(root / "image_0", error)) return internal::ReadKittiImages(folder);
+    if (fs::is_directory(root / "cam0", error))
+      return internal::ReadEurocImages(folder, max_cameras);
+    if (fs::is_directory(root / "image_0", error))
+      return internal::ReadKittiImages(folder, max_cameras);
     if (!fs::is_directory(root, error)) {
       return Status(StatusCode::kIoError, folder + ": is no folder that can be read");
     }

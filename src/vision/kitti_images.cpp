@@ -109,7 +109,8 @@ Status ReadTruth(const fs::path& folder, ImageRecording* recording) {
     }
     Matrix3 R;
     R << T[0], T[1], T[2], T[4], T[5], T[6], T[8], T[9], T[10];
-    if (!((R.transpose() * R - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-3)) {
+    if (!((R.transpose() * R - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-3) ||
+        R.determinant() < 0.0) {
       in.Fail("the pose is no rigid motion");
       break;
     }
@@ -124,12 +125,12 @@ Status ReadTruth(const fs::path& folder, ImageRecording* recording) {
 
 }  // namespace
 
-Result<ImageRecording> internal::ReadKittiImages(const std::string& path) {
+Result<ImageRecording> internal::ReadKittiImages(const std::string& path, int max_cameras) {
   const fs::path folder(path);
   ImageRecording recording;
   recording.layout = "KITTI odometry";
   std::error_code error;
-  const bool stereo = fs::is_directory(folder / "image_1", error);
+  const bool stereo = max_cameras > 1 && fs::is_directory(folder / "image_1", error);
   if (Status s = ReadCalibration((folder / "calib.txt").string(), stereo, &recording); !s.ok()) {
     return s;
   }

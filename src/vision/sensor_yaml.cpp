@@ -43,9 +43,12 @@ double NumberOf(const YAML::Node& node, const char* what) {
 std::vector<double> Numbers(const YAML::Node& map, const char* key, std::size_t count) {
   const YAML::Node list = Child(map, key);
   std::vector<double> out;
+  if (!list.IsSequence()) {
+    throw Failure{LineOf(list), std::string(key) + " must be a list of numbers"};
+  }
   for (const YAML::Node& item : list)
     out.push_back(NumberOf(item, key));
-  if (!list.IsSequence() || (count > 0 && out.size() != count)) {
+  if (count > 0 && out.size() != count) {
     throw Failure{LineOf(list),
                   std::string(key) + " must be a list of " + std::to_string(count) + " numbers"};
   }

@@ -14,6 +14,7 @@ class StereoSearch {
  public:
   StereoSearch(const Camera& first, const Camera& second, double min_depth_m);
 
+  [[nodiscard]] double baseline() const { return T_2_1_.p().norm(); }  ///< m
   /// Where a point at this inverse depth (1/z in the first camera, 1/m) is in the second image;
   /// false where that has no image of it.
   bool Project(const double xy[2], double inverse_depth, cv::Point2f* px) const;

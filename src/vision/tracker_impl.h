@@ -65,6 +65,8 @@ struct FeatureTracker::Impl {
   void TrackFrame(std::int64_t stamp_ns, std::span<const ImageView> images);
   /// Whether the image shows anything; names what is wrong with it.
   bool Shows(const ImageView& image);
+  /// The last image of a camera again; else it becomes the last one.
+  static bool IsRepeated(const ImageView& image, cv::Mat* last);
   void FollowFeatures();
   void RejectOutliers(const std::vector<internal::Tracked>& before,
                       std::vector<internal::Tracked>* found);
@@ -87,7 +89,7 @@ struct FeatureTracker::Impl {
   // The reference: image, features, and how the body turned since.
   std::int64_t reference_ns = 0;
   internal::FrameImage reference, now, second;
-  cv::Mat last_raw;
+  cv::Mat last_raw[2];  // of each camera
   std::vector<internal::Tracked> tracks;
   std::optional<Matrix3> R_reference_now = Matrix3::Identity();
   std::int64_t now_ns = 0;

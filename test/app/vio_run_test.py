@@ -86,7 +86,7 @@ class VioRun(AppTest):
         result = self.run_app(self.need(self.mh05), "--realtime", "--seconds", "1.5", "--json", "r.json")
         self.assertIn(result.returncode, (0, 1), result.stderr)
         out = strict_json((self.folder / "r.json").read_text(encoding="utf-8"))
-        self.assertEqual(out["frames"] + out["vision"]["frames_dropped"], 31)
+        self.assertEqual(out["frames"] + out["frames_dropped"], 31)
 
     def test_config(self):
         text = self.run_ok("--print-config")

@@ -105,6 +105,7 @@ TEST(FeatureTracker, ObservationsAreWithoutDistortion) {
   const Camera camera = SmallCamera();
   FeatureTracker tracker({camera}, SmallOptions());
   ASSERT_TRUE(TrackOne(&tracker, 0, SeeWall(camera, Pose()), {}).ok());
+  ASSERT_GT(tracker.features().size(), 35u);
   ASSERT_EQ(tracker.features().size(), tracker.observations().size());
   const WindowCamera window = WithoutDistortion(camera, 1.0);
   for (std::size_t k = 0; k < tracker.features().size(); ++k) {
@@ -124,6 +125,7 @@ TEST(FeatureTracker, FeaturesAreSpread) {
   FeatureTracker tracker({SmallCamera()}, SmallOptions());
   ASSERT_TRUE(TrackOne(&tracker, 0, SeeWall(SmallCamera(), Pose()), {}).ok());
   const auto features = tracker.features();
+  EXPECT_GT(features.size(), 35u);
   EXPECT_LE(features.size(), 60u);
   for (std::size_t a = 0; a < features.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
@@ -216,6 +218,50 @@ TEST(FeatureTracker, ARepeatedImageIsNoObservation) {
   EXPECT_GT(report.tracked, 25);
 }
 
+TEST(FeatureTracker, ASecondCameraThatHangsOrIsCoveredIsNamed) {
+  Camera left = SmallCamera(), right = SmallCamera();
+  right.T_b_c.p() = Vector3(0.11, 0.0, 0.0);
+  FeatureTracker tracker({left, right}, SmallOptions());
+  const Image hangs = SeeWall(right, PoseAt(0) * right.T_b_c, 1.0, 9);
+  const Image black = Uniform(0);
+  for (int k = 0; k < 4; ++k) {
+    const Image a = SeeWall(left, PoseAt(k), 1.0, 1 + static_cast<std::uint32_t>(k));
+    const ImageView views[] = {a.view(), k < 3 ? hangs.view() : black.view()};
+    TrackerReport report;
+    ASSERT_TRUE(tracker.Track(k * kPeriod, views, {}, &report).ok());
+    EXPECT_EQ(report[TrackerEvent::kSecondCameraLost], k > 0) << k;
+    EXPECT_EQ(report.stereo > 25, k == 0) << k;
+    EXPECT_GT(tracker.features().size(), 35u);
+  }
+}
+
+TEST(FeatureTracker, ABlurredImageIsNamedAndLosesNoTrack) {
+  const Camera camera = SmallCamera();
+  FeatureTracker tracker({camera}, SmallOptions());
+  ASSERT_TRUE(TrackOne(&tracker, 0, SeeWall(camera, PoseAt(0), 1.0, 1), {}).ok());
+  const std::int64_t last = tracker.features().back().track;
+  Image blurred = SeeWall(camera, PoseAt(1), 1.0, 2);
+  for (int y = 0; y < blurred.height; ++y) {  // 60 px along the rows
+    const std::vector<std::uint8_t> row(blurred.pixels.begin() + y * blurred.width,
+                                        blurred.pixels.begin() + (y + 1) * blurred.width);
+    for (int x = 0; x < blurred.width; ++x) {
+      int sum = 0, count = 0;
+      for (int i = std::max(0, x - 30); i < std::min(blurred.width, x + 30); ++i, ++count)
+        sum += row[static_cast<std::size_t>(i)];
+      blurred.pixels[static_cast<std::size_t>(y * blurred.width + x)] =
+          static_cast<std::uint8_t>(sum / count);
+    }
+  }
+  TrackerReport report;
+  ASSERT_TRUE(TrackOne(&tracker, kPeriod, blurred, TurnBetween(0, 1), &report).ok());
+  EXPECT_TRUE(report[TrackerEvent::kImageBlurred]);
+  ASSERT_TRUE(TrackOne(&tracker, 2 * kPeriod, SeeWall(camera, PoseAt(2), 1.0, 3), TurnBetween(1, 2),
+                       &report)
+                  .ok());
+  EXPECT_GT(report.tracked, 25);
+  EXPECT_LE(tracker.features()[0].track, last);
+}
+
 TEST(FeatureTracker, TheSameImagesGiveTheSameBits) {
   const Camera camera = SmallCamera();
   std::vector<double> numbers[2];
@@ -257,6 +303,16 @@ TEST(FeatureTracker, RefusesAndChangesNothing) {
   even.window_px = 20;
   FeatureTracker wrong({camera}, even);
   EXPECT_EQ(TrackOne(&wrong, 0, image, {}).code(), StatusCode::kInvalidArgument);
+  BodyTurn reflection;
+  reflection.R_from_to(2, 2) = -1.0;
+  EXPECT_FALSE(TrackOne(&tracker, 200, image, reflection).ok());
+  // Pairs that are none: in one place, or of two sizes.
+  EXPECT_FALSE(FeatureTracker({camera, camera}).Validate().ok());
+  Camera other = camera;
+  other.T_b_c.p() = Vector3(0.1, 0.0, 0.0);
+  EXPECT_TRUE(FeatureTracker({camera, other}).Validate().ok());
+  other.width = 200;
+  EXPECT_FALSE(FeatureTracker({camera, other}).Validate().ok());
 }
 
 }  // namespace

@@ -69,8 +69,9 @@ struct Viotracks {
                                               Reading reading = Reading::kChecked);
 
 /// Writes calibration.json and .csv.gz tables to a folder, which is made where its parent exists;
-/// numbers have as few digits as read back to the same bits. Each file appears whole or not at all.
-/// Refuses what ReadViotracks would not take back; then nothing is written.
+/// numbers have as few digits as read back to the same bits. Each file appears whole or not at all;
+/// tables that another recording has left there are removed. Refuses what ReadViotracks would not
+/// take back; then nothing is written.
 Status WriteViotracks(const Viotracks& recording, const std::string& folder);
 
 }  // namespace glissade

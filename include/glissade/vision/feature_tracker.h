@@ -36,10 +36,10 @@ enum class TrackerEvent : std::uint8_t {
   kImageDark,         ///< shows nothing: black
   kImageBright,       ///< shows nothing: overexposed
   kImageFlat,         ///< shows nothing: one grey
-  kImageRepeated,     ///< the last image again, to the last bit
+  kImageRepeated,     ///< the last image again, to the last bit: only a simulation has no noise
   kImageBlurred,      ///< most features were not found again
   kTracksLost,        ///< for too long nothing was found again: began anew
-  kSecondCameraLost,  ///< the first camera shows features, the second one nothing
+  kSecondCameraLost,  ///< the first camera shows features, the second one nothing, or hangs
 };
 inline constexpr std::size_t kNumTrackerEvents = 7;
 
@@ -89,13 +89,18 @@ class FeatureTracker {
   /// One or two cameras. Cameras or options that make no sense: Track() says so.
   FeatureTracker(std::vector<Camera> cameras, const TrackerOptions& options = {});
   ~FeatureTracker();
+  /// Of what was moved from nothing but its destruction and assignment is allowed.
   FeatureTracker(FeatureTracker&&) noexcept;
   FeatureTracker& operator=(FeatureTracker&&) noexcept;
 
+  /// What makes Track() refuse everything: cameras and options that make no sense.
+  [[nodiscard]] Status Validate() const;
   /// Images of all cameras, that of the second may be empty: it saw nothing. `turn` is that of the
   /// body since last_stamp_ns(); absent: not known. Refused, and nothing changed, with
   /// kInvalidArgument: a stamp that is not later than the last, an image whose size is not its
-  /// camera's, no image of the first camera, a rotation that is none.
+  /// camera's, no image of the first camera, a rotation that is none; and whatever cameras and
+  /// options that make no sense were given. kOutOfMemory, kEvaluationFailed (OpenCV's words):
+  /// begins anew with the next image.
   Status Track(std::int64_t stamp_ns, std::span<const ImageView> images,
                const std::optional<BodyTurn>& turn, TrackerReport* report = nullptr);
   /// Of the last frame that was taken; absent before the first one.

@@ -33,7 +33,8 @@ struct Image {
 
 /// Reads PNG, JPEG and what else OpenCV reads; colours become grey, 16 bits 8. kIoError where the
 /// file cannot be opened; kParseError where it is no image or is cut off, which not every decoder
-/// says.
+/// says. How a file says that it be turned is ignored: a calibration is of the pixels as they are.
+/// Decoders may print warnings of their own to standard error.
 [[nodiscard]] Result<Image> ReadImage(const std::string& path);
 
 /// As PNG, or as JPEG of that quality (0 to 100) where the name ends in .jpg or .jpeg. The file

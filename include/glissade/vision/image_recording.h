@@ -48,9 +48,13 @@ struct ImageRecording {
 /// - **KITTI odometry** (Geiger et al., CVPR 2012): image_0, perhaps image_1, calib.txt, times.txt;
 ///   perhaps poses.txt as truth. The body is the left camera; rectified, no IMU.
 ///
+/// Of a stereo pair at least a tenth of the frames must have both images, at the same stamp.
+///
 /// kIoError where a file that must be there is not, among them any image that is named; kParseError
 /// with "file:line: what" for what is in them.
-[[nodiscard]] Result<ImageRecording> ReadImageRecording(const std::string& folder);
+/// At most `max_cameras` cameras, 1 or 2: of others nothing is looked at.
+[[nodiscard]] Result<ImageRecording> ReadImageRecording(const std::string& folder,
+                                                        int max_cameras = 2);
 
 /// Writes everything but the images of a recording in EuRoC's layout: mav0/ and in it data.csv and
 /// sensor.yaml of each sensor, and the truth. Images are expected at ImagePath. kInvalidArgument,

@@ -12,8 +12,8 @@ namespace glissade::vision {
 struct TrackerOptions {
   /// At most so many features in the first camera's image.
   int max_features = 200;
-  /// New features keep this far from all others; one is looked for in each free cell of a grid of
-  /// this width (px).
+  /// A new feature is looked for in each free cell of a grid of this width (px); it keeps half of
+  /// that from all others.
   int cell_px = 32;
   /// A corner is one whose smaller eigenvalue of the summed gradients (Shi and Tomasi, CVPR 1994)
   /// is at least this part of the image's strongest, ...
