@@ -129,10 +129,10 @@ class AppTest(unittest.TestCase):
         self.check_header(result, interrupted=True)
         return out + rest, result
 
-    def check_numeric_options(self, *args, no_numbers=NO_NUMBERS):
+    def check_numeric_options(self, *args, no_numbers=None):
         """No option takes for a number what is none, or one that it cannot mean."""
         for option, more in self.numeric_options.items():
-            for value in (*no_numbers, *more):
+            for value in (*(no_numbers or NO_NUMBERS), *more):
                 self.check_refused(*args, f"{option}={value}", says=option)
                 if not value.startswith("--"):
                     self.check_refused(*args, option, value, says=option)
