@@ -5,9 +5,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <opencv2/calib3d.hpp>
 
+#include "base/fixed_draw.h"
 #include "glissade/lie/so3.h"
 
 namespace glissade::vision::internal {
@@ -24,20 +24,6 @@ double Residual(const TwoViews& views, const Match& m, double* gradient_norm, Ve
   *gradient_norm = std::sqrt(by_a.head<2>().squaredNorm() + by_b.head<2>().squaredNorm() + 1e-12);
   return views.t_a.dot(f_a->cross(*g));
 }
-
-/// Small and deterministic: xorshift64*.
-class Random {
- public:
-  std::size_t Below(std::size_t n) {
-    state_ ^= state_ >> 12;
-    state_ ^= state_ << 25;
-    state_ ^= state_ >> 27;
-    return static_cast<std::size_t>((state_ * 0x2545F4914F6CDD1DULL) >> 33) % n;
-  }
-
- private:
-  std::uint64_t state_ = 0x9E3779B97F4A7C15ULL;
-};
 
 /// Sum of min(d^2, tolerance^2): a hypothesis is not only as good as the number that fit.
 double CostOf(const TwoViews& views, const std::vector<Match>& matches, double tolerance) {
@@ -130,7 +116,7 @@ int FitMatches(const std::vector<Match>& matches, double max_turn_error, double 
   // Wide enough for the error of the turn; half of the matches wrong are found in 99.9 % of runs by
   // 24 pairs, and 48 cost nothing.
   const double wide = 3.0 * tolerance;
-  Random random;
+  glissade::internal::FixedDraw random;
   TwoViews best = *views;
   double best_cost = CostOf(best, matches, wide);
   for (int trial = 0; trial < 48; ++trial) {

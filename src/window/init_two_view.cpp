@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 
+#include "base/fixed_draw.h"
 #include "glissade/lie/so3.h"
 
 namespace glissade::internal {
@@ -16,20 +16,6 @@ namespace {
 
 constexpr double kChi2Median = 1.38629436;  // 2 degrees of freedom
 constexpr int kMaxTrials = 300;
-
-/// xorshift64*, so that the same matches give the same pose everywhere.
-class Draw {
- public:
-  std::size_t Below(std::size_t n) {
-    state_ ^= state_ >> 12U;
-    state_ ^= state_ << 25U;
-    state_ ^= state_ >> 27U;
-    return static_cast<std::size_t>((state_ * 0x2545F4914F6CDD1DULL) >> 33U) % n;
-  }
-
- private:
-  std::uint64_t state_ = 0x9E3779B97F4A7C15ULL;
-};
 
 Eigen::Vector3d Homogeneous(const Vector2& x) {
   return {x[0], x[1], 1.0};
@@ -87,7 +73,7 @@ RelativePose FindRelativePose(const std::vector<Match>& matches, double sigma, c
   const Matrix3 R_expected = expected.R();
   if (matches.size() < 8) return best;
   const double max_distance2 = 9.0 * sigma * sigma;
-  Draw draw;
+  FixedDraw draw;
   std::vector<Essential> essentials;
   double best_cost = 1e300, trials = kMaxTrials;
   for (int trial = 0; trial < trials; ++trial) {
