@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "vision/as_mat.h"
 #include "vision/tracker_impl.h"
 
 namespace glissade::vision {
@@ -133,11 +134,7 @@ bool FeatureTracker::Impl::IsRepeated(const ImageView& image, cv::Mat* last) {
   // Noise makes every image another one: a driver has handed this one over twice, or the camera
   // hangs. Features that stay where they are would be believed.
   if (!last->empty() && SameImage(*last, image)) return true;
-  last->create(image.height, image.width, CV_8UC1);
-  for (int y = 0; y < image.height; ++y) {
-    std::memcpy(last->ptr(y), image.data + static_cast<std::size_t>(y) * image.stride,
-                static_cast<std::size_t>(image.width));
-  }
+  internal::AsMat(image).copyTo(*last);
   return false;
 }
 
@@ -156,7 +153,7 @@ void FeatureTracker::Impl::TrackFrame(std::int64_t stamp_ns, std::span<const Ima
   features.clear();
   now_ns = stamp_ns;
   if (!Shows(images[0])) {
-    if (!tracks.empty() && NanosecondsBetween(reference_ns, now_ns) > options.max_blind_ns) {
+    if (!tracks.empty() && SecondsBetween(reference_ns, now_ns) > options.max_blind_s) {
       tracks.clear();
       Raise(TrackerEvent::kTracksLost);
     }

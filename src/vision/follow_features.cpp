@@ -56,7 +56,7 @@ void FeatureTracker::Impl::FollowFeatures() {
   tracks = std::move(found);
   if (before.size() < 20 || 3 * tracks.size() >= before.size()) return;
   Raise(TrackerEvent::kImageBlurred);
-  if (NanosecondsBetween(reference_ns, now_ns) > options.max_blind_ns) {
+  if (SecondsBetween(reference_ns, now_ns) > options.max_blind_s) {
     Raise(TrackerEvent::kTracksLost);
     return;
   }

@@ -6,15 +6,11 @@
 #include <cmath>
 #include <opencv2/video/tracking.hpp>
 
+#include "vision/as_mat.h"
+
 namespace glissade::vision::internal {
 
 namespace {
-
-cv::Mat AsMat(const ImageView& image) {
-  // OpenCV has no constant view; nothing is written through this one.
-  return cv::Mat(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-                 image.stride);
-}
 
 // cv::calcOpticalFlowPyrLK gives eigenvalues of gradients times 32, squared, divided by 2^20.
 constexpr double kGradientOfEigenvalue = 1024.0;

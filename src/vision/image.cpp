@@ -11,6 +11,7 @@
 #include "glissade/base/out_of_memory.h"
 #include "io/byte_source.h"
 #include "io/text_writer.h"
+#include "vision/as_mat.h"
 
 namespace glissade::vision {
 
@@ -52,11 +53,6 @@ bool IsCutOff(const Bytes& bytes) {
   return false;
 }
 
-cv::Mat AsMat(const ImageView& image) {
-  return cv::Mat(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-                 image.stride);
-}
-
 /// `path` and `code` are for what OpenCV throws.
 template <class F>
 auto OrStatus(const std::string& path, StatusCode code, F&& f) -> decltype(f()) {
@@ -85,11 +81,8 @@ Result<Image> ReadImage(const std::string& path) {
     image.width = grey.cols;
     image.height = grey.rows;
     image.pixels.resize(static_cast<std::size_t>(grey.cols) * static_cast<std::size_t>(grey.rows));
-    for (int y = 0; y < grey.rows; ++y) {
-      std::memcpy(
-          image.pixels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(grey.cols),
-          grey.ptr(y), static_cast<std::size_t>(grey.cols));
-    }
+    cv::Mat pixels(grey.size(), CV_8UC1, image.pixels.data());
+    grey.copyTo(pixels);
     return image;
   });
 }
@@ -103,7 +96,7 @@ Status WriteImage(const ImageView& image, const std::string& path, int jpeg_qual
     std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 1};
     if (jpeg) parameters = {cv::IMWRITE_JPEG_QUALITY, jpeg_quality};
     Bytes bytes;
-    if (!cv::imencode(jpeg ? ".jpg" : ".png", AsMat(image), bytes, parameters)) {
+    if (!cv::imencode(jpeg ? ".jpg" : ".png", internal::AsMat(image), bytes, parameters)) {
       return {StatusCode::kIoError, path + ": the image cannot be encoded"};
     }
     auto writer = glissade::internal::TextWriter::Create(path);
@@ -120,8 +113,8 @@ Result<std::vector<std::uint8_t>> EncodeJpeg(const ImageView& image, int shrink,
           return Status(StatusCode::kInvalidArgument, "an empty image, or nothing left of it");
         }
         cv::Mat small;
-        cv::resize(AsMat(image), small, cv::Size(image.width / shrink, image.height / shrink), 0, 0,
-                   cv::INTER_AREA);
+        cv::resize(internal::AsMat(image), small,
+                   cv::Size(image.width / shrink, image.height / shrink), 0, 0, cv::INTER_AREA);
         Bytes bytes;
         if (!cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, quality})) {
           return Status(StatusCode::kEvaluationFailed, "the image cannot be encoded");

@@ -40,7 +40,7 @@ Status TrackerOptions::Validate() const {
   }
   if (Status s = Between(min_depth_m, 1e-3, 1e3, "min_depth_m"); !s.ok()) return s;
   if (Status s = Between(min_contrast, 0, 127, "min_contrast"); !s.ok()) return s;
-  return Between(1e-9 * static_cast<double>(max_blind_ns), 0, 1e3, "max_blind_ns (in s)");
+  return Between(max_blind_s, 0, 1e3, "max_blind_s");
 }
 
 }  // namespace glissade::vision

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
-
 #include "glissade/base/status.h"
 
 namespace glissade::vision {
@@ -44,7 +42,7 @@ struct TrackerOptions {
   double min_contrast = 4.0;
   /// After an image that shows nothing, or in which less than a third of the features is found
   /// again (blurred, say), features are looked for from the last good image, for so long.
-  std::int64_t max_blind_ns = 400'000'000;
+  double max_blind_s = 0.4;
 
   [[nodiscard]] Status Validate() const;
 };
