@@ -91,18 +91,7 @@ void AddOptions(Program& program, Settings& s) {
             "Added to the stamps of frames (s; default 0)");
   AddInteger(cli, "--iterations", &s.replay.budget.max_iterations, 1, 1000,
              "Linear solves of a frame (default 4)");
-  cli.add_option_function<std::vector<std::string>>(
-         "--fault",
-         [&s](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) {
-             const auto fault = ParseFault(text);
-             if (!fault.ok()) RefuseOption(fault.status().message());
-             s.replay.faults.push_back(*fault);
-           }
-         },
-         "KIND@T..T: goes wrong from T to T, seconds after the first frame; may be repeated")
-      ->type_name("FAULT")
-      ->allow_extra_args(false);
+  AddFaults(cli, ParseFault, &s.replay.faults);
   AddNumber(cli, "--rpe-length", &s.rpe_length_m, 0.01, 1e6,
             "Of the pieces for RPE in percent (m; default: see below)");
   cli.add_flag("--batch", s.batch,

@@ -21,6 +21,7 @@
 #include "common/status_line.h"
 #include "common/version.h"
 #include "glissade/io/trajectory.h"
+#include "replay/fault.h"
 #include "replay/report.h"
 #include "run/image_source.h"
 #include "run/report_page.h"
@@ -81,18 +82,7 @@ void AddOptions(Program& program, Settings& s) {
   AddNumber(cli, "--seconds", &s.source.seconds, 0.0, 1e9, "And end after so many (default: all)");
   cli.add_flag("--realtime", s.source.realtime,
                "At the pace of the camera, losing frames like one");
-  cli.add_option_function<std::vector<std::string>>(
-         "--fault",
-         [&s](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) {
-             const auto fault = ParseImageFault(text);
-             if (!fault.ok()) RefuseOption(fault.status().message());
-             s.source.faults.push_back(*fault);
-           }
-         },
-         "KIND@T..T: goes wrong from T to T, seconds after the first frame; may be repeated")
-      ->type_name("FAULT")
-      ->allow_extra_args(false);
+  AddFaults(cli, ParseImageFault, &s.source.faults);
   AddNumber(cli, "--rpe-length", &s.rpe_length_m, 0.01, 1e6,
             "Of the pieces for RPE in percent (m; default: as vio_replay)");
   cli.add_flag("--wall", s.wall, "Times of the window by the clock on the wall");
@@ -103,11 +93,6 @@ void AddOptions(Program& program, Settings& s) {
   program.AddOutput("--rerun", &s.rerun, "Write what scripts/rerun_view.py shows to FILE");
   program.AddOutputPath("--save-tracks", &s.save_tracks,
                         "Write the tracks (VIOTRACKS) to a folder, for vio_replay");
-}
-
-Outcome PrintConfig(const RunConfig& config) {
-  Print("{}", ConfigText(config));
-  return {};
 }
 
 /// Writes lines as they come; a reader that goes away ends no run.
@@ -167,18 +152,18 @@ Status WriteAll(const Settings& s, const CausalRun& run, const VioSession& sessi
                          s.report);
 }
 
-/// Whether the first images are of the size that the calibration says.
-Status CheckImages(const vision::ImageRecording& recording, std::size_t first) {
-  for (std::size_t k = 0; k < recording.cameras.size(); ++k) {
-    const std::string& file = recording.frames[first].files[k];
-    if (file.empty()) continue;
-    const auto image = vision::ReadImage(file);
-    if (!image.ok()) return image.status();
+/// Whether images are of the size that the calibration says.
+Status CheckSizes(const SourceFrame& frame, const vision::ImageRecording& recording) {
+  for (std::size_t k = 0; k < frame.images.size(); ++k) {
+    const vision::Image& image = frame.images[k];
     const vision::Camera& camera = recording.cameras[k];
-    if (image->width == camera.width && image->height == camera.height) continue;
+    if (image.pixels.empty() || (image.width == camera.width && image.height == camera.height)) {
+      continue;
+    }
     return {StatusCode::kInvalidArgument,
-            fmt::format("{}: is {} x {} px, the calibration says {} x {}", file, image->width,
-                        image->height, camera.width, camera.height)};
+            fmt::format("{}: is {} x {} px, the calibration says {} x {}",
+                        recording.frames[frame.index].files[k], image.width, image.height,
+                        camera.width, camera.height)};
   }
   return {};
 }
@@ -192,7 +177,10 @@ Outcome Run(Settings& s) {
     if (const Status st = ReadConfig(s.config, &config); !st.ok()) return BadInput(st);
   }
   config.mono = config.mono || s.mono;
-  if (s.print_config) return PrintConfig(config);
+  if (s.print_config) {
+    Print("{}", ConfigText(config));
+    return {};
+  }
   if (s.folder.empty()) return BadInput("DIR is required (see --help)");
   if (!s.report.empty()) {
     if (const Status st = CheckReportPage(); !st.ok()) return BadInput(st);
@@ -202,20 +190,19 @@ Outcome Run(Settings& s) {
   auto window = WindowOptions(*recording, config);
   if (!window.ok()) return BadInput(s.folder + ": " + window.status().message());
   const bool has_imu = window->imu_noise.has_value();
-  s.source.mono = config.mono;
   ImageSource source(*recording, s.source);
   if (source.begin() == source.end()) return BadInput(s.folder + ": no frames after --start");
-  if (const Status st = CheckImages(*recording, source.begin()); !st.ok()) return BadInput(st);
-  if (const Status st = vision::FeatureTracker(recording->cameras, config.tracker).Validate();
-      !st.ok()) {
-    return BadInput(s.folder + ": " + st.message());
+  auto frame = source.Next();
+  if (!frame.ok()) return BadInput(frame.status());
+  if (frame->has_value()) {
+    if (const Status st = CheckSizes(**frame, *recording); !st.ok()) return BadInput(st);
   }
   LineStream rerun;
   if (const Status st = rerun.Open(s.rerun); !st.ok()) return BadInput(st);
   if (!s.rerun.empty()) std::signal(SIGPIPE, SIG_IGN);
 
   RunSettings run_settings;
-  run_settings.budget.max_iterations = config.iterations;
+  run_settings.budget = config.budget;
   run_settings.covariance = !s.states.empty() || !s.report.empty();
   run_settings.wall_clock = s.wall;
   SessionOutputs outputs;
@@ -226,13 +213,12 @@ Outcome Run(Settings& s) {
   outputs.tracks = !s.save_tracks.empty();
   VioSession session(*recording, config, run_settings, std::move(window).value(), outputs,
                      source.begin());
-  Status stopped;
+  if (const Status st = session.tracker().Validate(); !st.ok()) {
+    return BadInput(s.folder + ": " + st.message());
+  }
   {
     StatusLine line;
-    while (!Interrupted()) {
-      auto frame = source.Next();
-      if (!frame.ok()) stopped = frame.status();
-      if (!frame.ok() || !frame->has_value()) break;
+    for (; frame.ok() && frame->has_value() && !Interrupted(); frame = source.Next()) {
       session.Take(**frame);
       line.Show(session.StatusText());
       if (!s.rerun.empty()) {
@@ -263,7 +249,7 @@ Outcome Run(Settings& s) {
   if (const Status st = WriteAll(s, run, session, json, errors, has_imu); !st.ok()) {
     return Failed(st);
   }
-  if (!stopped.ok()) return Failed(stopped);
+  if (!frame.ok()) return Failed(frame.status());
   if (const Status st = rerun.status(); !st.ok()) return Failed(st);
   if (!run.initialized_at_s && !Interrupted()) {
     const InitVerdict& verdict = session.window().init_verdict();

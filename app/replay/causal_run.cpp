@@ -27,20 +27,14 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-double Now(bool wall_clock) {
-  timespec t{};
-  clock_gettime(wall_clock ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
-
 /// Asks another policy, and remembers when it was asked: there the window begins to slide.
 class PolicyWithClock : public WindowPolicy {
  public:
   PolicyWithClock(std::shared_ptr<WindowPolicy> policy, bool wall_clock)
       : policy_(std::move(policy)), wall_clock_(wall_clock) {}
   void Decide(const WindowView& window, WindowPlan* plan) override {
-    asked_ms_ = Now(wall_clock_);
-    asked_wall_ms_ = Now(true);
+    asked_ms_ = ClockMs(wall_clock_);
+    asked_wall_ms_ = ClockMs(true);
     policy_->Decide(window, plan);
   }
   void Forget() { asked_ms_ = asked_wall_ms_ = kNaN; }
@@ -109,6 +103,12 @@ bool IsFinite(const WindowState& state) {
 
 }  // namespace
 
+double ClockMs(bool wall_clock) {
+  timespec t{};
+  clock_gettime(wall_clock ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
 class CausalRunner::Impl {
  public:
   Impl(const RunSettings& settings, SlidingWindowOptions options, std::int64_t first_stamp_ns)
@@ -120,7 +120,7 @@ class CausalRunner::Impl {
 
   void Deliver(const Delivery& delivery) {
     ++run_.frames_delivered;
-    const double begin = Now(settings_.wall_clock);
+    const double begin = ClockMs(settings_.wall_clock);
     // Samples that make no sense are counted by the window's events.
     if (has_imu_) static_cast<void>(window_.AddImu(delivery.imu));
     if (const Status s = window_.AddFrame(delivery.stamp_ns, delivery.observations); !s.ok()) {
@@ -129,7 +129,7 @@ class CausalRunner::Impl {
       return;
     }
     if (window_.phase() != WindowPhase::kRunning) return;
-    const double added = Now(settings_.wall_clock);
+    const double added = ClockMs(settings_.wall_clock);
     std::set<ObservationKey> before;
     if (settings_.observations) {
       frame_of_stamp_[delivery.stamp_ns] = delivery.frame;
@@ -177,9 +177,9 @@ class CausalRunner::Impl {
   /// work has held up: the two clocks agree.
   void Optimize(const Delivery& delivery, double add_ms) {
     policy_->Forget();
-    const double begin = Now(settings_.wall_clock), begin_wall = Now(true);
+    const double begin = ClockMs(settings_.wall_clock), begin_wall = ClockMs(true);
     const Status solved = window_.Optimize(settings_.budget);
-    const double end = Now(settings_.wall_clock), end_wall = Now(true);
+    const double end = ClockMs(settings_.wall_clock), end_wall = ClockMs(true);
     if (!solved.ok()) {
       ++run_.solves_failed;
       Remember(delivery, solved);
@@ -225,9 +225,9 @@ class CausalRunner::Impl {
   void ReadSigmas(FrameEstimate* estimate) {
     const std::size_t n = has_imu_ ? 15 : 6;
     std::vector<double> covariance(n * n);
-    const double begin = Now(settings_.wall_clock);
+    const double begin = ClockMs(settings_.wall_clock);
     if (!window_.NewestCovariance(covariance).ok()) return;
-    run_.ms.covariance.push_back(Now(settings_.wall_clock) - begin);
+    run_.ms.covariance.push_back(ClockMs(settings_.wall_clock) - begin);
     for (std::size_t k = 0; k < 36; ++k)
       estimate->pose_covariance[k] = covariance[n * (k / 6) + k % 6];
     for (std::size_t k = 0; k < n; ++k)

@@ -60,6 +60,9 @@ struct FrameEstimate {
   double ms = 0.0;  ///< that the frame took
 };
 
+/// Of the thread's own clock, or of that on the wall, ms.
+double ClockMs(bool wall_clock);
+
 /// ms, of each frame that was taken; solve and reject of those only that the thread worked through
 /// without being held up.
 struct StageTimes {

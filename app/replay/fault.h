@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/options.h"
 #include "glissade/io/replay.h"
 
 /// \file
@@ -52,6 +53,24 @@ struct NamedTime {
   double begin_s = 0.0, end_s = 0.0;
 };
 Result<NamedTime> ParseNamedTime(const std::vector<std::string>& names, const std::string& text);
+
+/// The option --fault of a program; `parse` makes a fault of a text.
+template <class FaultType>
+void AddFaults(CLI::App& cli, Result<FaultType> (*parse)(const std::string&),
+               std::vector<FaultType>* faults) {
+  cli.add_option_function<std::vector<std::string>>(
+         "--fault",
+         [parse, faults](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) {
+             const auto fault = parse(text);
+             if (!fault.ok()) RefuseOption(fault.status().message());
+             faults->push_back(*fault);
+           }
+         },
+         "KIND@T..T: goes wrong from T to T, seconds after the first frame; may be repeated")
+      ->type_name("FAULT")
+      ->allow_extra_args(false);
+}
 
 /// The recording with what happens to its IMU.
 Viotracks WithImuFaults(Viotracks recording, std::span<const Fault> faults);

@@ -51,6 +51,19 @@ std::string KeyOf(WindowEvent event) {
 
 }  // namespace
 
+void PrintTimesHeader(const char* what) {
+  Print("\n{:<10}{:>10}{:>10}{:>10}  {}\n", "", "median", "p99", "max", what);
+}
+
+void PrintTimes(const char* name, const std::vector<double>& ms) {
+  Print("{:<10}{:>10.3f}{:>10.3f}{:>10.3f}\n", name, Quantile(ms, 0.5), Quantile(ms, 0.99),
+        Quantile(ms, 1.0));
+}
+
+nlohmann::ordered_json QuantilesJson(const std::vector<double>& ms) {
+  return {{"median", Quantile(ms, 0.5)}, {"p99", Quantile(ms, 0.99)}, {"max", Quantile(ms, 1.0)}};
+}
+
 void PrintRun(const CausalRun& run, const std::optional<TrajectoryErrors>& errors) {
   Print("{} frames, {} refused, {} estimates", run.frames_delivered, run.frames_refused,
         run.estimates.size());
@@ -60,11 +73,9 @@ void PrintRun(const CausalRun& run, const std::optional<TrajectoryErrors>& error
     Print("{} solves failed; the first refusal: {}\n", run.solves_failed, run.first_refusal);
   }
   if (errors) Print("{}", Describe(*errors));
-  Print("\n{:<10}{:>10}{:>10}{:>10}  ms of each frame\n", "", "median", "p99", "max");
-  for (const Stage& stage : StagesOf(run.ms)) {
-    Print("{:<10}{:>10.3f}{:>10.3f}{:>10.3f}\n", stage.name, Quantile(*stage.ms, 0.5),
-          Quantile(*stage.ms, 0.99), Quantile(*stage.ms, 1.0));
-  }
+  PrintTimesHeader("ms of each frame");
+  for (const Stage& stage : StagesOf(run.ms))
+    PrintTimes(stage.name, *stage.ms);
   Print("\nwindow: {:.1f} frames, {:.1f} landmarks, {:.1f} observations, on average\n",
         MeanOf(run, &FrameEstimate::num_frames), MeanOf(run, &FrameEstimate::num_landmarks),
         MeanOf(run, &FrameEstimate::num_observations));
@@ -110,11 +121,8 @@ void AddRun(const CausalRun& run, const std::optional<TrajectoryErrors>& errors,
   j["window_mb"] = run.window_mb;
   j["window_observations_mean"] = MeanOf(run, &FrameEstimate::num_observations);
   j["stages_ms"] = nlohmann::ordered_json::object();
-  for (const Stage& stage : StagesOf(run.ms)) {
-    j["stages_ms"][stage.name] = {{"median", Quantile(*stage.ms, 0.5)},
-                                  {"p99", Quantile(*stage.ms, 0.99)},
-                                  {"max", Quantile(*stage.ms, 1.0)}};
-  }
+  for (const Stage& stage : StagesOf(run.ms))
+    j["stages_ms"][stage.name] = QuantilesJson(*stage.ms);
 }
 
 void PrintConsistency(const std::optional<Consistency>& c) {

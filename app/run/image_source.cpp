@@ -128,7 +128,6 @@ Status ImageSource::Decode(std::size_t index, SourceFrame* out) {
       image = std::move(read).value();
       Spoil(index, &image);
     }
-    if (options_.mono) break;
   }
   return {};
 }

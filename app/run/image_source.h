@@ -45,7 +45,6 @@ struct SourceFrame {
 
 struct ImageSourceOptions {
   double start_s = 0.0, seconds = 1e9;  ///< part of the recording
-  bool mono = false;
   /// Frames come at their time; those that come while nobody asks are lost but for the newest. The
   /// clock stands still while an image is decoded: a camera hands over pixels.
   bool realtime = false;

@@ -23,154 +23,74 @@ struct Key {
   const char* section;
   const char* name;
   std::variant<int*, double*, bool*, std::string*> value;
-  double low, high;
-  std::vector<std::string> words;  ///< that a text may be
+  double low, high;  ///< of a number
   const char* help;
+  std::vector<std::string> words = {};  ///< that a text may be
 };
 
 std::vector<Key> KeysOf(RunConfig* c) {
   vision::TrackerOptions& t = c->tracker;
   return {
-      {"camera", "mono", &c->mono, 0, 0, {}, "the first camera only"},
-      {"camera", "sigma_px", &c->sigma_px, 0.01, 100, {}, "of a feature, each coordinate (px)"},
-      {"camera",
-       "time_offset_s",
-       &c->time_offset_s,
-       -10,
-       10,
-       {},
+      {"camera", "mono", &c->mono, 0, 0, "the first camera only"},
+      {"camera", "sigma_px", &c->sigma_px, 0.01, 100, "of a feature, each coordinate (px)"},
+      {"camera", "time_offset_s", &c->time_offset_s, -10, 10,
        "added to the stamps of frames to have them on the IMU's clock (s)"},
-      {"tracker", "max_features", &t.max_features, 1, 100000, {}, "in the first camera"},
-      {"tracker", "cell_px", &t.cell_px, 8, 1000, {}, "one new feature in each free cell (px)"},
-      {"tracker",
-       "min_corner",
-       &t.min_corner,
-       1e-3,
-       1e6,
-       {},
+      {"tracker", "max_features", &t.max_features, 1, 100000, "in the first camera"},
+      {"tracker", "cell_px", &t.cell_px, 8, 1000, "one new feature in each free cell (px)"},
+      {"tracker", "min_corner", &t.min_corner, 1e-3, 1e6,
        "smallest mean squared gradient of a corner (grey/px)^2"},
-      {"tracker",
-       "min_relative_corner",
-       &t.min_relative_corner,
-       0,
-       1,
-       {},
+      {"tracker", "min_relative_corner", &t.min_relative_corner, 0, 1,
        "and its part of the image's strongest corner"},
-      {"tracker",
-       "contrast_limit",
-       &t.contrast_limit,
-       0,
-       100,
-       {},
+      {"tracker", "contrast_limit", &t.contrast_limit, 0, 100,
        "of adaptive histogram equalization; 0: none"},
-      {"tracker", "window_px", &t.window_px, 5, 61, {}, "of Lucas and Kanade's tracker (px, odd)"},
-      {"tracker",
-       "levels_predicted",
-       &t.levels_predicted,
-       0,
-       8,
-       {},
+      {"tracker", "window_px", &t.window_px, 5, 61, "of Lucas and Kanade's tracker (px, odd)"},
+      {"tracker", "levels_predicted", &t.levels_predicted, 0, 8,
        "of its pyramid, where the gyroscope says where to look"},
-      {"tracker", "levels_blind", &t.levels_blind, 0, 8, {}, "and where nothing does"},
-      {"tracker",
-       "max_forward_backward_px",
-       &t.max_forward_backward_px,
-       1e-3,
-       100,
-       {},
+      {"tracker", "levels_blind", &t.levels_blind, 0, 8, "and where nothing does"},
+      {"tracker", "max_forward_backward_px", &t.max_forward_backward_px, 1e-3, 100,
        "tracked back, a feature is so near to where it was (px)"},
-      {"tracker",
-       "max_epipolar_px",
-       &t.max_epipolar_px,
-       1e-2,
-       100,
-       {},
+      {"tracker", "max_epipolar_px", &t.max_epipolar_px, 1e-2, 100,
        "from the epipolar line between frames (px)"},
-      {"tracker",
-       "max_stereo_epipolar_px",
-       &t.max_stereo_epipolar_px,
-       1e-2,
-       100,
-       {},
+      {"tracker", "max_stereo_epipolar_px", &t.max_stereo_epipolar_px, 1e-2, 100,
        "and between cameras (px)"},
-      {"tracker", "min_depth_m", &t.min_depth_m, 1e-3, 1e3, {}, "that stereo is searched to (m)"},
-      {"tracker",
-       "min_contrast",
-       &t.min_contrast,
-       0,
-       127,
-       {},
+      {"tracker", "min_depth_m", &t.min_depth_m, 1e-3, 1e3, "that stereo is searched to (m)"},
+      {"tracker", "min_contrast", &t.min_contrast, 0, 127,
        "grey values with a smaller standard deviation show nothing"},
-      {"tracker",
-       "max_blind_s",
-       &c->max_blind_s,
-       0,
-       1e3,
-       {},
+      {"tracker", "max_blind_s", &t.max_blind_s, 0, 1e3,
        "how long tracks outlive images that show nothing (s)"},
-      {"imu", "use", &c->use_imu, 0, 0, {}, "false: two cameras alone"},
-      {"imu",
-       "noise_scale",
-       &c->noise_scale,
-       1e-3,
-       1e3,
-       {},
+      {"imu", "use", &c->use_imu, 0, 0, "false: two cameras alone"},
+      {"imu", "noise_scale", &c->noise_scale, 1e-3, 1e3,
        "times the calibration's noise densities: a data sheet's sensor lies on a table"},
-      {"imu", "walk_scale", &c->walk_scale, 1e-3, 1e3, {}, "times its random walks of the biases"},
-      {"imu",
-       "gyro_range",
-       &c->gyro_range,
-       0,
-       1e3,
-       {},
+      {"imu", "walk_scale", &c->walk_scale, 1e-3, 1e3, "times its random walks of the biases"},
+      {"imu", "gyro_range", &c->gyro_range, 0, 1e3,
        "readings at it are trusted less (rad/s); 0: not known"},
-      {"imu", "accel_range", &c->accel_range, 0, 1e4, {}, "likewise (m/s^2)"},
-      {"imu", "gravity", &c->gravity, 1, 100, {}, "m/s^2"},
+      {"imu", "accel_range", &c->accel_range, 0, 1e4, "likewise (m/s^2)"},
+      {"imu", "gravity", &c->gravity, 1, 100, "m/s^2"},
       {"window",
        "policy",
        &c->window.policy,
        0,
        0,
-       {"okvis", "vins", "basalt", "lag"},
-       "what leaves the window: okvis, vins, basalt or lag"},
-      {"window", "frames", &c->window.frames, 1, 1000, {}, "newest frames, with speed and biases"},
-      {"window", "keyframes", &c->window.keyframes, 1, 1000, {}, "besides"},
-      {"window", "lag_s", &c->window.lag_s, 0.01, 1000, {}, "of the policy lag (s)"},
+       "what leaves the window: okvis, vins, basalt or lag",
+       {"okvis", "vins", "basalt", "lag"}},
+      {"window", "frames", &c->window.frames, 1, 1000, "newest frames, with speed and biases"},
+      {"window", "keyframes", &c->window.keyframes, 1, 1000, "besides"},
+      {"window", "lag_s", &c->window.lag_s, 0.01, 1000, "of the policy lag (s)"},
       {"window",
        "first_estimates",
        &c->first_estimates,
        0,
        0,
-       {"off", "prior", "full"},
-       "what stays linearized where it first was: off, prior or full"},
-      {"window", "iterations", &c->iterations, 1, 1000, {}, "linear solves of a frame"},
-      {"window",
-       "keyframe_tracked_share",
-       &c->keyframe_tracked_share,
-       0,
-       1,
-       {},
+       "what stays linearized where it first was: off, prior or full",
+       {"off", "prior", "full"}},
+      {"window", "iterations", &c->budget.max_iterations, 1, 1000, "linear solves of a frame"},
+      {"window", "keyframe_tracked_share", &c->keyframes.min_tracked_share, 0, 1,
        "a keyframe where less of the last one's landmarks is seen"},
-      {"window",
-       "keyframe_parallax",
-       &c->keyframe_parallax,
-       0,
-       10,
-       {},
+      {"window", "keyframe_parallax", &c->keyframes.max_parallax, 0, 10,
        "or where they have moved further (rad)"},
-      {"window",
-       "keyframe_interval_s",
-       &c->keyframe_interval_s,
-       0.01,
-       1e4,
-       {},
+      {"window", "keyframe_interval_s", &c->keyframes.max_interval_s, 0.01, 1e4,
        "or after so long (s)"},
-      {"window",
-       "max_chi2",
-       &c->max_chi2,
-       0.1,
-       1e6,
-       {},
+      {"window", "max_chi2", &c->max_chi2, 0.1, 1e6,
        "r'r in sigmas beyond which an observation is taken out"},
   };
 }
@@ -269,12 +189,6 @@ Pose AsMatrix(Pose T) {
 
 RunConfig::RunConfig() {
   tracker.max_features = 150;
-  max_blind_s = 1e-9 * static_cast<double>(tracker.max_blind_ns);
-  const SlidingWindowOptions defaults;
-  keyframe_tracked_share = defaults.keyframes.min_tracked_share;
-  keyframe_parallax = defaults.keyframes.max_parallax;
-  keyframe_interval_s = defaults.keyframes.max_interval_s;
-  max_chi2 = defaults.max_chi2;
 }
 
 Status ReadConfig(const std::string& path, RunConfig* config) {
@@ -298,7 +212,7 @@ Status ReadConfig(const std::string& path, RunConfig* config) {
   } catch (const YAML::Exception& e) {
     return failed(e.mark.line + 1, e.msg);
   }
-  if (read.tracker.window_px % 2 == 0) return failed(1, "tracker: window_px must be odd");
+  if (Status s = read.tracker.Validate(); !s.ok()) return failed(1, "tracker: " + s.message());
   *config = read;
   return {};
 }
@@ -325,7 +239,6 @@ Result<SlidingWindowOptions> WindowOptions(const vision::ImageRecording& recordi
     return Status(StatusCode::kInvalidArgument, std::move(why));
   };
   for (const vision::Camera& camera : recording.cameras) {
-    if (config.mono && !options.cameras.empty()) break;
     options.cameras.push_back(vision::WithoutDistortion(camera, config.sigma_px));
     options.cameras.back().T_b_c = AsMatrix(camera.T_b_c);
   }
@@ -345,8 +258,7 @@ Result<SlidingWindowOptions> WindowOptions(const vision::ImageRecording& recordi
   options.gravity = config.gravity;
   options.policy = MakePolicy(config.window);
   options.first_estimates = ParseFirstEstimates(config.first_estimates);
-  options.keyframes = {config.keyframe_tracked_share, config.keyframe_parallax,
-                       config.keyframe_interval_s};
+  options.keyframes = config.keyframes;
   options.max_chi2 = config.max_chi2;
   if (Status s = options.Validate(); !s.ok()) return s;
   return options;

@@ -18,7 +18,6 @@ struct RunConfig {
   double time_offset_s = 0.0;
   // tracker
   vision::TrackerOptions tracker;
-  double max_blind_s = 0.4;
   // imu
   bool use_imu = true;
   double noise_scale = 3.0, walk_scale = 1.0;
@@ -27,9 +26,9 @@ struct RunConfig {
   // window
   WindowSettings window;
   std::string first_estimates = "full";
-  int iterations = 4;
-  double keyframe_tracked_share, keyframe_parallax, keyframe_interval_s;
-  double max_chi2;
+  WindowBudget budget;
+  KeyframeRules keyframes;
+  double max_chi2 = SlidingWindowOptions().max_chi2;
 
   RunConfig();
 };

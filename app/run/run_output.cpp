@@ -16,9 +16,9 @@
 #include "common/version.h"
 #include "glissade/eval/alignment.h"
 #include "glissade/eval/association.h"
-#include "glissade/eval/statistics.h"
 #include "glissade/problem/problem.h"
 #include "replay/consistency.h"
+#include "replay/report.h"
 #include "run/report_page.h"
 
 namespace glissade::app {
@@ -59,24 +59,19 @@ std::vector<double> Totals(const VioSession& session) {
   return totals;
 }
 
-Json Quantiles(const std::vector<double>& ms) {
-  return {{"median", eval::Quantile(ms, 0.5)},
-          {"p99", eval::Quantile(ms, 0.99)},
-          {"max", eval::Quantile(ms, 1.0)}};
-}
-
-double Mean(const VioSession& session, int VisionFrame::*member) {
+/// Over all frames; 0 where there are none.
+template <class Get>
+double Mean(const VioSession& session, const Get& get) {
   double sum = 0.0;
   for (const VisionFrame& f : session.frames())
-    sum += f.*member;
+    sum += get(f);
   return session.frames().empty() ? 0.0 : sum / static_cast<double>(session.frames().size());
 }
-
 double MeanOf(const VioSession& session, int vision::TrackerReport::*member) {
-  double sum = 0.0;
-  for (const VisionFrame& f : session.frames())
-    sum += f.report.*member;
-  return session.frames().empty() ? 0.0 : sum / static_cast<double>(session.frames().size());
+  return Mean(session, [member](const VisionFrame& f) { return f.report.*member; });
+}
+double MeanFeatures(const VioSession& session) {
+  return Mean(session, [](const VisionFrame& f) { return f.features; });
 }
 
 /// Rounded: a page does not need 17 digits.
@@ -160,17 +155,12 @@ Json ThumbnailsOf(const VioSession& session) {
 }  // namespace
 
 void PrintSession(const VioSession& session) {
-  const auto totals = Totals(session);
-  Print("\n{:<10}{:>10}{:>10}{:>10}  ms of each frame, images decoded\n", "", "median", "p99",
-        "max");
-  for (const Stage& stage : StagesOf(session)) {
-    Print("{:<10}{:>10.3f}{:>10.3f}{:>10.3f}\n", stage.name, eval::Quantile(stage.ms, 0.5),
-          eval::Quantile(stage.ms, 0.99), eval::Quantile(stage.ms, 1.0));
-  }
-  Print("{:<10}{:>10.3f}{:>10.3f}{:>10.3f}\n", "all", eval::Quantile(totals, 0.5),
-        eval::Quantile(totals, 0.99), eval::Quantile(totals, 1.0));
+  PrintTimesHeader("ms of each frame, images decoded");
+  for (const Stage& stage : StagesOf(session))
+    PrintTimes(stage.name, stage.ms);
+  PrintTimes("all", Totals(session));
   Print("\nfeatures: {:.1f} a frame; {:.1f} lost, {:.1f} off their epipolar lines, {:.1f} new\n",
-        Mean(session, &VisionFrame::features), MeanOf(session, &vision::TrackerReport::lost),
+        MeanFeatures(session), MeanOf(session, &vision::TrackerReport::lost),
         MeanOf(session, &vision::TrackerReport::rejected),
         MeanOf(session, &vision::TrackerReport::detected));
   if (const double sigma = session.window().initial_scale_sigma(); sigma > 0.0) {
@@ -190,18 +180,18 @@ void PrintSession(const VioSession& session) {
 Json SessionJson(const VioSession& session) {
   Json j;
   j["initial_scale_sigma_percent"] = 100.0 * session.window().initial_scale_sigma();
-  j["features_mean"] = Mean(session, &VisionFrame::features);
+  j["features_mean"] = MeanFeatures(session);
   j["stereo_mean"] = MeanOf(session, &vision::TrackerReport::stereo);
   j["lost_mean"] = MeanOf(session, &vision::TrackerReport::lost);
   j["rejected_mean"] = MeanOf(session, &vision::TrackerReport::rejected);
   j["stages_ms"] = Json::object();
   for (const Stage& stage : StagesOf(session))
-    j["stages_ms"][stage.name] = Quantiles(stage.ms);
-  j["stages_ms"]["all"] = Quantiles(Totals(session));
+    j["stages_ms"][stage.name] = QuantilesJson(stage.ms);
+  j["stages_ms"]["all"] = QuantilesJson(Totals(session));
   std::vector<double> decode;
   for (const VisionFrame& f : session.frames())
     decode.push_back(f.decode_ms);
-  j["decode_ms"] = Quantiles(decode);
+  j["decode_ms"] = QuantilesJson(decode);
   j["events"] = Json::array();
   for (const RunEvent& e : session.events())
     j["events"].push_back({{"t", e.t}, {"what", e.what}, {"frames", e.frames}});

@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
-#include <limits>
 #include <utility>
 
 #include "glissade/problem/problem.h"
@@ -17,25 +15,6 @@ namespace glissade::app {
 namespace {
 
 constexpr std::size_t kTailLength = 12;
-
-std::vector<vision::Camera> CamerasOf(const vision::ImageRecording& recording,
-                                      const RunConfig& config) {
-  std::vector<vision::Camera> cameras = recording.cameras;
-  if (config.mono) cameras.resize(1);
-  return cameras;
-}
-
-vision::TrackerOptions TrackerOptionsOf(const RunConfig& config) {
-  vision::TrackerOptions options = config.tracker;
-  options.max_blind_ns = std::llround(1e9 * config.max_blind_s);
-  return options;
-}
-
-double ThreadMs() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
 
 /// Those of a window's events that are worth a line in a log.
 constexpr WindowEvent kToldEvents[] = {
@@ -53,7 +32,7 @@ VioSession::VioSession(const vision::ImageRecording& recording, const RunConfig&
       offset_ns_(std::llround(1e9 * config.time_offset_s)),
       first_stamp_ns_(recording.frames[first_frame].stamp_ns + offset_ns_),
       has_imu_(options.imu_noise.has_value()),
-      tracker_(CamerasOf(recording, config), TrackerOptionsOf(config)),
+      tracker_(recording.cameras, config.tracker),
       runner_(settings, options, first_stamp_ns_) {
   std::vector<std::int64_t> gaps;
   const vision::ImageFrame* last = nullptr;
@@ -121,10 +100,10 @@ void VioSession::Take(const SourceFrame& source) {
   }
   // Before there is a state the window looks for one, which takes its time, too.
   const std::size_t timed = runner_.run().ms.total.size();
-  const double begin = ThreadMs();
+  const double begin = ClockMs(false);
   runner_.Deliver(delivery);
   const auto& ms = runner_.run().ms.total;
-  frame.window_ms = ms.size() > timed ? ms.back() : ThreadMs() - begin;
+  frame.window_ms = ms.size() > timed ? ms.back() : ClockMs(false) - begin;
   frame.running = window().phase() == WindowPhase::kRunning;
   frames_.push_back(frame);
   NoteEvents(frame, tracked);
