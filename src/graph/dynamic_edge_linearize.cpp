@@ -154,8 +154,9 @@ bool DynamicEdgePool::LinearizeGeneral(const Entry& item, const Loss& loss,
   }
   const bool full = sink->first_estimates == FirstEstimates::kFull;
   const bool ok =
-      full ? EvaluateFirstEstimates(item, words)
-           : item.edge->Evaluate(item.refs, item.residual.data(), item.jacobian_of_vertex.data());
+      item.edge->batch() != nullptr ? item.batch_has_value
+      : full                        ? EvaluateFirstEstimates(item)
+             : item.edge->Evaluate(item.refs, item.residual.data(), item.jacobian_of_vertex.data());
   if (!ok) return false;
   VectorMap r(item.residual.data(), rows);
   const double s = r.squaredNorm();
@@ -214,8 +215,13 @@ bool DynamicEdgePool::LinearizeGeneral(const Entry& item, const Loss& loss,
   return true;
 }
 
-bool DynamicEdgePool::EvaluateFirstEstimates(const Entry& item, const std::int32_t* words) const {
+bool DynamicEdgePool::EvaluateFirstEstimates(const Entry& item) const {
   if (!item.edge->Evaluate(item.refs, item.residual.data(), nullptr)) return false;
+  RefsToFirstEstimates(item);
+  return item.edge->Evaluate(item.refs, item.points.data(), item.jacobian_of_vertex.data());
+}
+
+void DynamicEdgePool::RefsToFirstEstimates(const Entry& item) {
   std::size_t size = item.residual.size();
   for (const VertexRef& ref : item.refs)
     size += static_cast<std::size_t>(ref.ops->ambient_dim);
@@ -223,8 +229,8 @@ bool DynamicEdgePool::EvaluateFirstEstimates(const Entry& item, const std::int32
   double* at = item.points.data() + item.residual.size();  // before it: a residual nobody wants
   for (std::size_t i = 0; i < item.refs.size(); ++i) {
     VertexRef& ref = item.refs[i];
-    const double* point =
-        item.vertices[i].pool->first_estimates().At(words[plan::State(static_cast<int>(i))]);
+    const VertexPoolBase* pool = item.vertices[i].pool;
+    const double* point = pool->first_estimates().At(pool->slots().IndexOf(item.vertices[i].slot));
     if (point != nullptr && ref.ops->first_estimate_size > 0) {
       std::copy_n(ref.data, ref.ops->ambient_dim, at);
       std::copy_n(point, ref.ops->first_estimate_size, at);
@@ -232,7 +238,6 @@ bool DynamicEdgePool::EvaluateFirstEstimates(const Entry& item, const std::int32
     }
     at += ref.ops->ambient_dim;
   }
-  return item.edge->Evaluate(item.refs, item.points.data(), item.jacobian_of_vertex.data());
 }
 
 bool DynamicEdgePool::Linearize(const std::int32_t* words, int count,
@@ -268,7 +273,9 @@ bool DynamicEdgePool::Cost(const std::int32_t* words, int count, NormalEquations
     if (item.edge->ConstantHessian() != nullptr) {
       ok = item.edge->LinearizeQuadratic(item.refs, nullptr, &s);
     } else {
-      ok = item.edge->Evaluate(item.refs, item.residual.data(), nullptr);
+      ok = item.edge->batch() != nullptr
+               ? item.batch_has_value
+               : item.edge->Evaluate(item.refs, item.residual.data(), nullptr);
       for (const double value : item.residual)
         s += value * value;
     }

@@ -32,6 +32,21 @@ Status ForEachLiveEdge(const Graph::EdgePools& pools, F&& f) {
   return {};
 }
 
+/// f(pool, edge, Chi2 of the edge).
+template <class F>
+Status ForEachChi2(const Graph::EdgePools& pools, F&& f) {
+  for (const auto& pool : pools) {
+    const std::vector<double> batched = pool->BatchedChi2();
+    for (int edge = 0; edge < pool->size(); ++edge) {
+      if (!pool->Alive(edge)) continue;
+      double s = batched.empty() ? NAN : batched[static_cast<std::size_t>(edge)];
+      if (std::isnan(s)) s = pool->Chi2(edge);
+      if (Status status = f(*pool, edge, s); !status.ok()) return status;
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 int Graph::NumVertices() const {
@@ -109,8 +124,7 @@ Result<double> Graph::Chi2(AnyEdge edge) const {
 
 Result<double> Graph::Chi2() const {
   double sum = 0.0;
-  const Status status = ForEachLiveEdge(edge_pools_, [&](const EdgePoolBase& pool, int edge) {
-    const double s = pool.Chi2(edge);
+  const Status status = ForEachChi2(edge_pools_, [&](const EdgePoolBase& pool, int edge, double s) {
     sum += s;
     return std::isfinite(s) ? Status() : NoValue(pool, edge);
   });
@@ -121,8 +135,7 @@ Result<double> Graph::Chi2() const {
 
 Result<double> Graph::Cost() const {
   double sum = 0.0;
-  const Status status = ForEachLiveEdge(edge_pools_, [&](const EdgePoolBase& pool, int edge) {
-    const double s = pool.Chi2(edge);
+  const Status status = ForEachChi2(edge_pools_, [&](const EdgePoolBase& pool, int edge, double s) {
     // An s that has overflowed still has a cost where the loss is bounded, as in a solve.
     const double cost = std::isnan(s) ? s : internal::RobustScale(pool.loss(edge), s).cost;
     sum += cost;

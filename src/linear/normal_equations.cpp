@@ -150,6 +150,8 @@ Status NormalEquations::Linearize(const Structure& structure, Graph* graph, Thre
   twists_->Pack(structure, *graph);
   twists_->UpdatePoses(structure, *graph);
   twists_->UpdateFrames(structure, *graph);
+  for (const auto& pool : graph->edge_pools())
+    pool->BeginLinearize(graph->first_estimates());
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int chunk) { LinearizeChunk(structure, *graph, chunk); });
   if (const StepFailure failure = CheckCosts(structure, *graph, cost); !failure.ok()) {
@@ -183,6 +185,8 @@ void NormalEquations::SumChunks(int num_chunks, ThreadPool* threads) {
 StepFailure NormalEquations::Cost(const Structure& structure, const Graph& graph,
                                   ThreadPool* threads, double* cost) {
   twists_->UpdatePoses(structure, graph);
+  for (const auto& pool : graph.edge_pools())
+    pool->BeginCost();
   const int num_chunks = structure.num_chunks();
   threads->Run(num_chunks, [&](int c) {
     Chunk& chunk = chunks_[Index(c)];

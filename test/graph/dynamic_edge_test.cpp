@@ -7,6 +7,8 @@
 
 #include <limits>
 
+#include "glissade/edges/edge_batch.h"
+
 #include "graph/toy_graphs.h"
 
 namespace glissade::test {
@@ -63,12 +65,28 @@ class DynamicLinear final : public DynamicEdge {
   std::unique_ptr<DynamicEdge> Clone() const override {
     return std::make_unique<DynamicLinear>(*this);
   }
+  const EdgeBatch* batch() const override { return batch_of; }
   int residual_dim = 4;
+  const EdgeBatch* batch_of = nullptr;
 
  private:
   EdgeLinearSpot edge_;
   bool constant_;
   double H_[25];
+};
+
+/// Counts its calls, and the edges in them, and asks each edge.
+class CountingBatch final : public EdgeBatch {
+ public:
+  void Evaluate(std::span<BatchedEdge> edges) const override {
+    ++calls;
+    num_edges = edges.size();
+    for (BatchedEdge& e : edges)
+      e.has_value = e.edge->Evaluate(e.vertices, e.residual, e.jacobians) && !fails;
+  }
+  mutable int calls = 0;
+  mutable std::size_t num_edges = 0;
+  bool fails = false;
 };
 
 EdgeLinearSpot SomeEdge(std::uint64_t seed) {
@@ -89,7 +107,7 @@ struct Built {
   VertexHandle<Spot> y;
   std::vector<AnyEdge> edges;
 };
-Built Build(Kind kind, const Loss& loss = {}) {
+Built Build(Kind kind, const Loss& loss = {}, const EdgeBatch* batch = nullptr) {
   Built b;
   b.x = b.problem.AddVertex(VertexVector<3>{{0.3, -0.2, 0.9}});
   b.y = b.problem.AddVertex(Spot{{0.1, 0.7}});
@@ -101,8 +119,9 @@ Built Build(Kind kind, const Loss& loss = {}) {
       b.edges.push_back(Must(b.problem.AddEdge(edge, {b.x, b.y}, options)));
     } else {
       const AnyVertex vertices[] = {b.x, b.y};
-      b.edges.push_back(Must(b.problem.AddEdge(
-          std::make_unique<DynamicLinear>(edge, kind == Kind::kConstant), vertices, loss)));
+      auto dynamic = std::make_unique<DynamicLinear>(edge, kind == Kind::kConstant);
+      dynamic->batch_of = batch;
+      b.edges.push_back(Must(b.problem.AddEdge(std::move(dynamic), vertices, loss)));
     }
   }
   return b;
@@ -153,6 +172,43 @@ TEST(DynamicEdge, TakesALossUnlessItsHessianIsConstant) {
             StatusCode::kInvalidArgument);
   EXPECT_TRUE(GraphRecord(constant.problem) == before);
   Must(constant.problem.SetLoss(constant.edges[0], Loss()));
+}
+
+TEST(DynamicEdge, BatchesAreAskedOnceAPass) {
+  for (const Loss& loss : {Loss(), Loss(Huber{0.3})}) {
+    for (const auto mode : {FirstEstimates::kOff, FirstEstimates::kFull}) {
+      for (int held = 0; held < 3; ++held) {
+        CountingBatch batch;
+        Built alone = Build(Kind::kDynamic, loss), batched = Build(Kind::kDynamic, loss, &batch);
+        for (Built* b : {&alone, &batched}) {
+          Must(b->problem.SetFirstEstimates(mode));
+          if (held == 1) Must(b->problem.SetFixed(b->x));
+          if (held == 2) Must(b->problem.SetFixed(b->y));
+        }
+        ExpectSameSystem(&alone, &batched);
+        batch.calls = 0;
+        Must(batched.problem.MakeHessian());
+        EXPECT_EQ(batch.calls, mode == FirstEstimates::kFull ? 2 : 1);
+        EXPECT_EQ(batch.num_edges, 3u);
+        batch.calls = 0;
+        Must(batched.problem.Cost());
+        EXPECT_EQ(batch.calls, 1);
+      }
+    }
+  }
+}
+
+TEST(DynamicEdge, ABatchWithoutValuesNamesItsEdge) {
+  CountingBatch batch;
+  Built b = Build(Kind::kDynamic, {}, &batch);
+  Must(b.problem.RemoveEdge(b.edges[0]));
+  Must(b.problem.Cost());
+  EXPECT_EQ(batch.num_edges, 2u);
+  batch.fails = true;
+  EXPECT_EQ(b.problem.MakeHessian().edge(), b.edges[1]);
+  EXPECT_EQ(b.problem.Solve().status.code(), StatusCode::kEvaluationFailed);
+  batch.fails = false;
+  EXPECT_TRUE(b.problem.Solve().converged());
 }
 
 TEST(DynamicEdge, WhatIsRefused) {

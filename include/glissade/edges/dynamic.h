@@ -11,6 +11,8 @@
 
 namespace glissade {
 
+class EdgeBatch;
+
 /// An edge whose number of vertices and residual size are known at run time: the marginal prior,
 /// language bindings, and whatever does not fit a typed edge. One virtual call per edge.
 ///
@@ -53,6 +55,10 @@ class DynamicEdge {
   /// after the other; null (default) for others. Adding such an edge to a graph gives vertices that
   /// have none a linearization point (graph/first_estimates.h).
   [[nodiscard]] virtual const double* LinearizationPoint() const { return nullptr; }
+
+  /// What evaluates this edge together with others (edges/edge_batch.h); null (default): nothing.
+  /// The same as long as the edge lives. Asked for edges without a constant Hessian only.
+  [[nodiscard]] virtual const EdgeBatch* batch() const { return nullptr; }
 
   /// A copy that lives apart from this one. Graph::Clone() fails where it is null.
   [[nodiscard]] virtual std::unique_ptr<DynamicEdge> Clone() const = 0;

@@ -58,9 +58,12 @@ class DynamicEdgePool final : public EdgePoolBase {
                 double* const* jacobians) const override;
   void Whiten(int, double*, double* const*) const override {}
   [[nodiscard]] double Chi2(int edge) const override;
+  [[nodiscard]] std::vector<double> BatchedChi2() const override;
   bool Depth(int, double*) const override { return false; }
   [[nodiscard]] const double* Extrinsic(int) const override { return nullptr; }
   [[nodiscard]] bool IsDuplicate(int, int) const override { return false; }
+  void BeginLinearize(FirstEstimates first_estimates) const override;
+  void BeginCost() const override;
   bool Linearize(const std::int32_t* words, int count, NormalEquationsSink* sink) const override;
   bool Cost(const std::int32_t* words, int count, NormalEquationsSink* sink) const override;
   void Prepare() override;
@@ -81,6 +84,7 @@ class DynamicEdgePool final : public EdgePoolBase {
     mutable std::vector<double*> jacobian_of_vertex;
     mutable std::vector<double> gradient;
     mutable std::vector<double> points;  // states with first estimates in them, one after the other
+    mutable bool batch_has_value = false;  // what its batch said last
   };
 
   [[nodiscard]] const Entry& EntryAt(int edge) const {
@@ -98,7 +102,14 @@ class DynamicEdgePool final : public EdgePoolBase {
                       NormalEquationsSink* sink) const;
   bool LinearizeGeneral(const Entry& item, const Loss& loss, const std::int32_t* words,
                         NormalEquationsSink* sink) const;
-  bool EvaluateFirstEstimates(const Entry& item, const std::int32_t* words) const;
+  bool EvaluateFirstEstimates(const Entry& item) const;
+  /// Moves the refs to where Jacobians are taken with FirstEstimates::kFull.
+  static void RefsToFirstEstimates(const Entry& item);
+  static void PointAtJacobians(const Entry& item);
+  struct Batches;
+  [[nodiscard]] Batches FindBatches() const;
+  void EvaluateResiduals(Batches* batches) const;
+  [[nodiscard]] bool HasBatches() const;
   static void Add(const Entry& item, const std::int32_t* words, const double* H, int stride,
                   const double* gradient, NormalEquationsSink* sink);
 

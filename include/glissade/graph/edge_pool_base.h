@@ -102,6 +102,9 @@ class EdgePoolBase {
   virtual void Whiten(int edge, double* residual, double* const* jacobians) const = 0;
   /// s = r' Omega r at the present states; NaN where the edge has no finite value.
   [[nodiscard]] virtual double Chi2(int edge) const = 0;
+  /// The same of all edges, by position, where they are evaluated together (edges/edge_batch.h);
+  /// NaN for removed ones and those that are evaluated alone. Empty: each is asked alone.
+  [[nodiscard]] virtual std::vector<double> BatchedChi2() const { return {}; }
   /// Depth of the observed point in the observing camera [m]; false if the type has none.
   virtual bool Depth(int edge, double* depth) const = 0;
   /// T_b_c that an edge carries, 7 numbers; null if it has none, or has it as a vertex
@@ -112,6 +115,10 @@ class EdgePoolBase {
   /// Two edges on the same vertices that are one observation counted twice.
   [[nodiscard]] virtual bool IsDuplicate(int edge, int other) const = 0;
 
+  /// Comes before Linearize or Cost of all edges, at the present states, on the caller's thread:
+  /// evaluates what is evaluated together.
+  virtual void BeginLinearize(FirstEstimates) const {}
+  virtual void BeginCost() const {}
   /// Adds H, b and cost of count edges (typed ones: without a free landmark), whose plan records
   /// (edge_plan.h) start at words. Returns false at the first edge without a finite value, named in
   /// sink->failed_edge.

@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The glissade authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The line that a long solve shows."""
+
+from __future__ import annotations
+
+import sys
+import typing
+
+if typing.TYPE_CHECKING:
+    from ._core import IterationSummary
+
+_SHOWN_AFTER_S = 1.0
+
+
+def _in_notebook() -> bool:
+    try:
+        from IPython import get_ipython
+    except ImportError:
+        return False
+    shell = get_ipython()
+    return shell is not None and type(shell).__name__ == "ZMQInteractiveShell"
+
+
+class Progress:
+    """Iterations, cost and rate once a solve takes longer than a second (tqdm; a bar of its own in
+    notebooks)."""
+
+    def __init__(self) -> None:
+        self._bar: typing.Any = None
+
+    def update(self, iteration: IterationSummary) -> None:
+        if self._bar is None:
+            if iteration.total_time_s < _SHOWN_AFTER_S:
+                return
+            from tqdm.auto import tqdm
+
+            self._bar = tqdm(desc="solve", unit="it", initial=iteration.iteration)
+        self._bar.set_postfix_str(
+            f"cost {iteration.cost:.6g}, lambda {iteration.lambda_:.1e}", refresh=False
+        )
+        self._bar.update(iteration.iteration - self._bar.n)
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+
+def make(asked: bool) -> Progress | None:
+    """None where nobody asked and nobody looks."""
+    if asked or _in_notebook() or (sys.stderr is not None and sys.stderr.isatty()):
+        return Progress()
+    return None
