@@ -14,9 +14,8 @@ nanoseconds. Calls that are refused raise glissade.Error.
 """
 
 from ._core import *  # noqa: F403
-from ._core import version as _version
+from ._core import version as __version__
 from ._edge_kind import EdgeKind
 from ._errors import Error
 
-__version__ = ".".join(str(number) for number in _version)
 __all__ = [name for name in dir() if not name.startswith("_")]  # noqa: PLE0605

@@ -33,11 +33,11 @@ class Progress:
         if self._bar is None:
             if iteration.total_time_s < _SHOWN_AFTER_S:
                 return
-            from tqdm.auto import tqdm
+            from tqdm.auto import tqdm  # type: ignore[import-untyped,unused-ignore]
 
             self._bar = tqdm(desc="solve", unit="it", initial=iteration.iteration)
         self._bar.set_postfix_str(
-            f"cost {iteration.cost:.6g}, lambda {iteration.lambda_:.1e}", refresh=False
+            f"cost {iteration.cost:.6g}, lambda {iteration.damping:.1e}", refresh=False
         )
         self._bar.update(iteration.iteration - self._bar.n)
 

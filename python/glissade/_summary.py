@@ -36,7 +36,7 @@ def to_dict(self: _core.SolveSummary) -> dict[str, typing.Any]:
                 "gradient_max": it.gradient_max,
                 "step_norm": it.step_norm,
                 "gain_ratio": it.gain_ratio,
-                "lambda": it.lambda_,
+                "lambda": it.damping,
                 "linear_iterations": it.linear_iterations,
                 "time_s": it.time_s,
                 "total_time_s": it.total_time_s,
@@ -51,10 +51,10 @@ def text(self: _core.SolveSummary) -> str:
 
 
 def as_html(self: _core.SolveSummary) -> str:
-    columns = ("iteration", "cost", "cost_change", "gradient_max", "lambda_", "time_s")
+    columns = ("iteration", "cost", "cost_change", "gradient_max", "damping", "time_s")
     rows = "".join(
         "<tr>" + "".join(f"<td>{getattr(it, name):.6g}</td>" for name in columns) + "</tr>"
         for it in self.iterations
     )
-    head = "".join(f"<th>{name.strip('_').replace('_', ' ')}</th>" for name in columns)
+    head = "".join(f"<th>{name.replace('_', ' ')}</th>" for name in columns)
     return f"<p>{html.escape(self.brief_report())}</p><table><tr>{head}</tr>{rows}</table>"

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.h"
 
+#include <nanobind/stl/string.h>
+
 #include <algorithm>
 #include <memory>
 
@@ -20,13 +22,12 @@ std::string ShapeText(const T& array) {
 }
 
 template <class T>
-nb::ndarray<nb::numpy, T> OwnVector(std::vector<T> values, std::size_t ndim,
-                                    const std::size_t* shape) {
+Out<T> OwnVector(std::vector<T> values, std::size_t ndim, const std::size_t* shape) {
   auto kept = std::make_unique<std::vector<T>>(std::move(values));
   T* data = kept->data();
   nb::capsule owner(kept.release(),
                     [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  return nb::ndarray<nb::numpy, T>(data, ndim, shape, owner);
+  return {nb::ndarray<nb::numpy, T>(data, ndim, shape, owner)};
 }
 
 }  // namespace
@@ -68,15 +69,14 @@ OutArray Own(std::vector<double> values, std::initializer_list<std::size_t> shap
   return OwnVector(std::move(values), shape.size(), shape.begin());
 }
 
-nb::ndarray<nb::numpy, std::int64_t> Own(std::vector<std::int64_t> values) {
+Out<std::int64_t> Own(std::vector<std::int64_t> values) {
   const std::size_t size = values.size();
   return OwnVector(std::move(values), 1, &size);
 }
 
-nb::ndarray<nb::numpy, const double> View(const double* data,
-                                          std::initializer_list<std::size_t> shape,
-                                          nb::handle owner) {
-  return nb::ndarray<nb::numpy, const double>(data, shape.size(), shape.begin(), owner);
+Out<const double> View(const double* data, std::initializer_list<std::size_t> shape,
+                       nb::handle owner) {
+  return {nb::ndarray<nb::numpy, const double>(data, shape.size(), shape.begin(), owner)};
 }
 
 }  // namespace glissade::python
@@ -97,12 +97,12 @@ bool Convert(handle src, const char* dtype, Array* out, cleanup_list* cleanup) {
     object numpy = module_::import_("numpy");
     object array = numpy.attr("asarray")(src);
     // Floats are no indices, and complex numbers no coordinates.
-    const char* least = dtype[0] == 'i' ? "same_kind" : "same_kind";
     const auto kind = cast<std::string>(array.attr("dtype").attr("kind"));
     if (dtype[0] == 'i' && kind != "i" && kind != "u") return false;
     if (dtype[0] == 'f' && kind != "f" && kind != "i" && kind != "u" && kind != "b") return false;
-    array = numpy.attr("ascontiguousarray")(array.attr("astype")(dtype, arg("casting") = least))
-                .attr("reshape")(array.attr("shape"));
+    array =
+        numpy.attr("ascontiguousarray")(array.attr("astype")(dtype, arg("casting") = "same_kind"))
+            .attr("reshape")(array.attr("shape"));
     make_caster<Array> caster;
     if (!caster.from_python(array, 0, cleanup)) return false;
     *out = caster.value;
@@ -118,12 +118,12 @@ bool Convert(handle src, const char* dtype, Array* out, cleanup_list* cleanup) {
 
 }  // namespace
 
-bool type_caster<glissade::python::ArrayLike>::from_python(handle src, std::uint8_t,
+bool type_caster<glissade::python::ArrayLike>::from_python(handle src, std::uint32_t,
                                                            cleanup_list* cleanup) noexcept {
   return Convert(src, "float64", &value.array, cleanup);
 }
 
-bool type_caster<glissade::python::IndexLike>::from_python(handle src, std::uint8_t,
+bool type_caster<glissade::python::IndexLike>::from_python(handle src, std::uint32_t,
                                                            cleanup_list* cleanup) noexcept {
   return Convert(src, "int64", &value.array, cleanup);
 }

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 /// \file
@@ -61,14 +62,19 @@ class Rows {
   const char* name_;
 };
 
-using OutArray = nb::ndarray<nb::numpy, double>;
+/// An array that is returned. As a type of its own: nanobind refuses an ndarray that has an owner
+/// as what a property returns.
+template <class T>
+struct Out {
+  nb::ndarray<nb::numpy, T> array;
+};
+using OutArray = Out<double>;
 /// Takes the numbers over: nothing is copied.
 OutArray Own(std::vector<double> values, std::initializer_list<std::size_t> shape);
-nb::ndarray<nb::numpy, std::int64_t> Own(std::vector<std::int64_t> values);
+Out<std::int64_t> Own(std::vector<std::int64_t> values);
 /// Looks into `owner`, which lives as long as the array. Read-only: what it looks at is a result.
-nb::ndarray<nb::numpy, const double> View(const double* data,
-                                          std::initializer_list<std::size_t> shape,
-                                          nb::handle owner);
+Out<const double> View(const double* data, std::initializer_list<std::size_t> shape,
+                       nb::handle owner);
 
 }  // namespace glissade::python
 
@@ -77,7 +83,7 @@ namespace nanobind::detail {
 template <>
 struct type_caster<glissade::python::ArrayLike> {
   NB_TYPE_CASTER(glissade::python::ArrayLike, const_name("numpy.typing.ArrayLike"))
-  bool from_python(handle src, std::uint8_t flags, cleanup_list* cleanup) noexcept;
+  bool from_python(handle src, std::uint32_t flags, cleanup_list* cleanup) noexcept;
   static handle from_cpp(const glissade::python::ArrayLike& value, rv_policy policy,
                          cleanup_list* cleanup) noexcept {
     return make_caster<glissade::python::DoubleArray>::from_cpp(value.array, policy, cleanup);
@@ -86,10 +92,20 @@ struct type_caster<glissade::python::ArrayLike> {
 template <>
 struct type_caster<glissade::python::IndexLike> {
   NB_TYPE_CASTER(glissade::python::IndexLike, const_name("numpy.typing.ArrayLike"))
-  bool from_python(handle src, std::uint8_t flags, cleanup_list* cleanup) noexcept;
+  bool from_python(handle src, std::uint32_t flags, cleanup_list* cleanup) noexcept;
   static handle from_cpp(const glissade::python::IndexLike& value, rv_policy policy,
                          cleanup_list* cleanup) noexcept {
     return make_caster<glissade::python::Int64Array>::from_cpp(value.array, policy, cleanup);
+  }
+};
+
+template <class T>
+struct type_caster<glissade::python::Out<T>> {
+  using Value = glissade::python::Out<T>;
+  static constexpr auto Name = const_name<std::is_integral_v<T>>(
+      "numpy.typing.NDArray[numpy.int64]", "numpy.typing.NDArray[numpy.float64]");
+  static handle from_cpp(const Value& value, rv_policy, cleanup_list* cleanup) noexcept {
+    return make_caster<ndarray<numpy, T>>::from_cpp(value.array, rv_policy::automatic, cleanup);
   }
 };
 

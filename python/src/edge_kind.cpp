@@ -186,15 +186,15 @@ class PythonBatch final : public EdgeBatch {
       std::string message(what);
       message.append(" must return numbers of the shape ").append(wanted).append(")");
       if (nb::hasattr(value, "shape")) {
-        message.append(", not ").append(nb::cast<std::string>(nb::str(value.attr("shape"))));
+        message.append(", not ").append(nb::str(nb::object(value.attr("shape"))).c_str());
       }
       throw nb::value_error(message.c_str());
     }
     return out;
   }
   [[nodiscard]] std::string Name(const char* function) const {
-    const auto type = nb::cast<std::string>(nb::handle(kind_.get().type()).attr("__name__"));
-    return std::string(type).append(".").append(function).append("()");
+    const nb::object type(kind_.get().type().attr("__name__"));
+    return std::string(nb::str(type).c_str()).append(".").append(function).append("()");
   }
 
   [[nodiscard]] ArrayLike Residual(const Arguments& arguments) const {
@@ -430,7 +430,7 @@ void BindEdgeKinds(nb::module_&, nb::class_<PyProblem>& problem) {
       .def("add_edges", &AddPythonEdges, nb::arg("kind"), nb::arg("vertices"), nb::arg("data"),
            nb::arg("sqrt_information") = nb::none(), nb::arg("information") = nb::none(),
            nb::arg("loss") = Loss(),
-           nb::sig("def add_edges(self, kind: glissade.EdgeKind, vertices: "
+           nb::sig("def add_edges(self, kind: glissade._edge_kind.EdgeKind, vertices: "
                    "collections.abc.Sequence[VertexArray], *data: numpy.typing.ArrayLike, "
                    "sqrt_information: numpy.typing.ArrayLike | None = None, information: "
                    "numpy.typing.ArrayLike | None = None, loss: Loss = ...) -> EdgeArray"),

@@ -28,6 +28,8 @@ namespace {
   throw nb::value_error(message.c_str());
 }
 
+using MaskLike = nb::ndarray<nb::numpy, const bool, nb::ndim<1>, nb::device::cpu>;
+
 template <class Handle>
 void BindArray(nb::module_& m, const char* name, const char* doc) {
   using Array = HandleArray<Handle>;
@@ -53,23 +55,32 @@ void BindArray(nb::module_& m, const char* name, const char* doc) {
              }
              return out;
            })
-      .def("__getitem__",
-           [at](const Array& a, const nb::ndarray<nb::numpy, const bool, nb::ndim<1>>& mask) {
-             if (mask.shape(0) != a.size()) throw nb::index_error("mask of another length");
-             Array out;
-             for (std::size_t k = 0; k < a.size(); ++k) {
-               if (mask(k)) out.handles.push_back(a.handles[k]);
-             }
-             return out;
-           })
-      .def("__getitem__",
-           [at](const Array& a, const IndexLike& indices) {
-             Array out;
-             out.handles.reserve(indices.size());
-             for (std::size_t k = 0; k < indices.size(); ++k)
-               out.handles.push_back(at(a, static_cast<Py_ssize_t>(indices.data()[k])));
-             return out;
-           })
+      .def(
+          "__getitem__",
+          [at](const Array& a, const nb::object& which) {
+            const nb::object array = nb::module_::import_("numpy").attr("asarray")(which);
+            Array out;
+            if (MaskLike mask; nb::try_cast(array, mask, false)) {
+              if (mask.shape(0) != a.size()) throw nb::index_error("mask of another length");
+              for (std::size_t k = 0; k < a.size(); ++k) {
+                if (mask(k)) out.handles.push_back(a.handles[k]);
+              }
+              return out;
+            }
+            if (nb::len(array) == 0) return out;  // an empty list is an array of floats
+            IndexLike indices;
+            if (!nb::try_cast(array, indices)) {
+              throw nb::type_error("indices must be integers, a slice or a mask");
+            }
+            out.handles.reserve(indices.size());
+            for (std::size_t k = 0; k < indices.size(); ++k)
+              out.handles.push_back(at(a, static_cast<Py_ssize_t>(indices.data()[k])));
+            return out;
+          },
+          nb::arg("which"),
+          nb::sig(
+              (std::string("def __getitem__(self, which: numpy.typing.ArrayLike, /) -> ") + name)
+                  .c_str()))
       .def(
           "__iter__",
           [](nb::handle self) {

@@ -19,8 +19,8 @@ namespace glissade::python {
 namespace {
 
 template <class T>
-nb::ndarray<nb::numpy, const double> ViewOf(nb::handle self, const std::vector<double> T::*member,
-                                            std::size_t rows = 0) {
+Out<const double> ViewOf(nb::handle self, const std::vector<double> T::*member,
+                         std::size_t rows = 0) {
   const auto& values = nb::cast<const T&>(self).*member;
   const double* data = values.data();
   if (rows == 0) return View(data, {values.size()}, self);

@@ -14,7 +14,8 @@ NB_MODULE(_core, m) {
   using namespace glissade;
   m.doc() = "The compiled part of glissade.";
   m.attr("version") =
-      nb::make_tuple(GLISSADE_VERSION_MAJOR, GLISSADE_VERSION_MINOR, GLISSADE_VERSION_PATCH);
+      nb::str("{}.{}.{}")
+          .format(GLISSADE_VERSION_MAJOR, GLISSADE_VERSION_MINOR, GLISSADE_VERSION_PATCH);
   nb::enum_<StatusCode>(m, "StatusCode", "What went wrong: Error.code.")
       .value("OK", StatusCode::kOk)
       .value("INVALID_ARGUMENT", StatusCode::kInvalidArgument)

@@ -4,6 +4,7 @@
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -115,15 +116,14 @@ void SetValues(PyProblem& p, const VertexArray& vertices, const ArrayLike& array
       return problem.Set(*vertices[k].As<V>(), value);
     };
     for (std::size_t k = 0; k < vertices.size(); ++k) {
-      const V* present = problem.Find(*vertices[k].As<V>());
       V value;
       std::memcpy(value.Data(), rows.ForEach(k), sizeof(double) * V::kAmbientDim);
+      before.push_back(problem.Get(*vertices[k].As<V>()));
       if (Status status = set(k, value); !status.ok()) {
-        for (std::size_t j = 0; j < before.size(); ++j)
+        for (std::size_t j = 0; j < k; ++j)
           (void)set(j, before[j]);
         p.Seen(status);
       }
-      before.push_back(*present);
     }
   });
   if (!known) throw nb::value_error("vertices of this type cannot be set from Python");

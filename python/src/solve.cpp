@@ -134,7 +134,7 @@ void BindSummary(nb::module_& m) {
       .def_ro("gradient_max", &IterationSummary::gradient_max)
       .def_ro("step_norm", &IterationSummary::step_norm)
       .def_ro("gain_ratio", &IterationSummary::gain_ratio)
-      .def_ro("lambda_", &IterationSummary::lambda)
+      .def_ro("damping", &IterationSummary::lambda, "lambda, to be used next")
       .def_ro("linear_iterations", &IterationSummary::linear_iterations)
       .def_ro("time_s", &IterationSummary::time_s)
       .def_ro("total_time_s", &IterationSummary::total_time_s)

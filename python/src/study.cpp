@@ -44,7 +44,7 @@ void BindNullspace(nb::module_& m) {
         return std::string("NullspaceDirection(")
             .append(d.name)
             .append(", kappa=")
-            .append(nb::cast<std::string>(nb::str(nb::cast(d.kappa))))
+            .append(nb::str(nb::cast(d.kappa)).c_str())
             .append(")");
       });
   nb::class_<NullspaceReport>(m, "NullspaceReport",
@@ -126,7 +126,7 @@ void BindSteps(nb::class_<PyProblem>& problem) {
               return problem.SolveLinearSystem(lambda, options ? *options : SolveOptions());
             }));
           },
-          nb::arg("lambda_"), nb::arg("options") = nb::none(),
+          nb::arg("damping"), nb::arg("options") = nb::none(),
           "Solves (H + lambda D) dx = b by eliminating landmarks.")
       .def(
           "update_states", [](PyProblem& p) { Check(p.write().UpdateStates()); },

@@ -121,7 +121,7 @@ void BindTrajectories(nb::module_& m) {
       nb::arg("alignment") = eval::AlignmentKind::kYaw,
       nb::sig("def evaluate_trajectory(stamps_ns: numpy.typing.ArrayLike, poses: "
               "numpy.typing.ArrayLike, true_stamps_ns: numpy.typing.ArrayLike, true_poses: "
-              "numpy.typing.ArrayLike, alignment: AlignmentKind = AlignmentKind.YAW) -> "
+              "numpy.typing.ArrayLike, alignment: AlignmentKind = ...) -> "
               "dict[str, typing.Any]"),
       "The absolute trajectory error (Sturm et al., IROS 2012) after alignment: 'translation_m' "
       "and 'rotation_deg' with rmse, mean, median, max, count; 'scale'; 'aligned' and "

@@ -39,8 +39,8 @@ DynamicEdgePool::Batches DynamicEdgePool::FindBatches() const {
     if (last == nullptr || last->batch != batch) {
       const auto found = std::find_if(batches.all.begin(), batches.all.end(),
                                       [&](const auto& of) { return of.batch == batch; });
-      if (found == batches.all.end()) batches.all.push_back({batch, {}, {}});
-      last = found == batches.all.end() ? &batches.all.back() : &*found;
+      last = found != batches.all.end() ? &*found
+                                        : &batches.all.emplace_back(Batches::Of{batch, {}, {}});
     }
     last->positions.push_back(k);
     last->edges.emplace_back().edge = item.edge.get();

@@ -198,6 +198,22 @@ TEST(DynamicEdge, BatchesAreAskedOnceAPass) {
   }
 }
 
+TEST(DynamicEdge, SeveralBatchesAndEdgesWithoutOne) {
+  CountingBatch batches[3];
+  Built typed = Build(Kind::kTyped), mixed = Build(Kind::kDynamic);
+  for (int k = 0; k < 12; ++k) {
+    const EdgeLinearSpot edge = SomeEdge(std::uint64_t(70 + k));
+    typed.edges.push_back(Must(typed.problem.AddEdge(edge, {typed.x, typed.y})));
+    auto dynamic = std::make_unique<DynamicLinear>(edge, false);
+    if (k % 4 < 3) dynamic->batch_of = &batches[k % 4];
+    const AnyVertex vertices[] = {mixed.x, mixed.y};
+    mixed.edges.push_back(Must(mixed.problem.AddEdge(std::move(dynamic), vertices)));
+  }
+  ExpectSameSystem(&typed, &mixed);
+  for (const CountingBatch& batch : batches)
+    EXPECT_EQ(batch.num_edges, 3u);
+}
+
 TEST(DynamicEdge, ABatchWithoutValuesNamesItsEdge) {
   CountingBatch batch;
   Built b = Build(Kind::kDynamic, {}, &batch);
