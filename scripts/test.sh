@@ -13,8 +13,11 @@ need_packages --optional "${packages_optional[@]}"
 need_packages --optional "${packages_browser[@]}"
 need_evo
 need_plotly
+need_python
 # shellcheck disable=SC2086
-configure release -DGLISSADE_BUILD_TESTS=ON -DGLISSADE_BUILD_APPS=ON ${GLISSADE_CMAKE_ARGS:-}
+configure release -DGLISSADE_BUILD_TESTS=ON -DGLISSADE_BUILD_APPS=ON \
+  ${python_venv:+-DGLISSADE_BUILD_PYTHON=ON "-DPython_EXECUTABLE=$python_venv/bin/python"} \
+  ${python_venv:+"-DPython3_EXECUTABLE=$python_venv/bin/python"} ${GLISSADE_CMAKE_ARGS:-}
 say "building everything with $jobs jobs"
 cmake --build --preset release -j "$jobs" || die "the build failed (its output is above)"
 say "running the tests"
