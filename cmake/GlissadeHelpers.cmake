@@ -35,6 +35,11 @@ macro(glissade_enable_instrumentation)
     add_compile_options(-fsanitize=${GLISSADE_SANITIZE} -fno-sanitize-recover=all
                         -fno-omit-frame-pointer)
     add_link_options(-fsanitize=${GLISSADE_SANITIZE})
+    if(GLISSADE_SANITIZE STREQUAL "address,undefined")
+      # A third of the time to compile for what AddressSanitizer or the processor finds as well: null
+      # pointers, sizes of objects, vector loads that are not aligned.
+      add_compile_options(-fno-sanitize=null,alignment,object-size,pointer-overflow,vptr)
+    endif()
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
       # GCC's flow analysis sees the sanitizer's own branches and warns about Eigen's temporaries.
       add_compile_options(-Wno-maybe-uninitialized)
