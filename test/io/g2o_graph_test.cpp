@@ -12,6 +12,7 @@
 #include "glissade/io/g2o.h"
 #include "glissade/losses/huber.h"
 #include "glissade/problem/problem.h"
+#include "glissade/vertices/vector.h"
 #include "io/temp_file.h"
 #include "support/g2o_scene.h"
 
@@ -230,6 +231,59 @@ TEST(G2oGraph, WhatIsHeldKeepsItsNumbersInTheFile) {
   other.poses.pop_back();
   EXPECT_FALSE(UpdateFromGraph(graph, *handles, &other).ok());
   EXPECT_EQ(UpdateFromGraph(from_file, *handles, &problem).code(), StatusCode::kUnknownHandle);
+}
+
+TEST(G2oGraph, AGraphOfOnesOwnBecomesAFileOfTheSameCost) {
+  TempFiles files;
+  const G2oProblem scene = test::MakeG2oScene(20, 9);
+  Problem problem;
+  const auto handles = AddToGraph(scene, problem);
+  ASSERT_TRUE(handles.ok());
+  Random random(10);
+  for (int k = 0; k < 3; ++k) {
+    Matrix6 root;
+    for (int i = 0; i < 36; ++i)
+      root(i / 6, i % 6) = random.Uniform(-1.0, 1.0);
+    ASSERT_TRUE(problem.AddEdge(EdgeSE3Prior{random.RandomPose(3.0)}, {handles->poses[k + 5u]},
+                                {.sqrt_information = root}));
+  }
+  // Unit weights, and a gap where a vertex was.
+  ASSERT_TRUE(problem.AddEdge(EdgeRelativePose{random.RandomPose(2.0)},
+                              {handles->poses[0], handles->poses[9]}));
+  ASSERT_TRUE(problem.RemoveVertex(handles->poses[12]).ok());
+  ASSERT_TRUE(problem.RemoveVertex(handles->points[1]).ok());
+
+  const auto written = G2oFromGraph(problem);
+  ASSERT_TRUE(written.ok()) << written.status().message();
+  EXPECT_EQ(written->poses.size(), 19u);
+  EXPECT_EQ(written->points.size(), 4u);
+  EXPECT_EQ(written->points[0].id, 19);
+  EXPECT_EQ(written->offsets.size(), 2u);  // that of the scene, and none
+  EXPECT_TRUE(written->poses[0].fixed);
+  ASSERT_TRUE(WriteG2o(*written, files.Path("a.g2o")).ok());
+  const auto read = ReadG2o(files.Path("a.g2o"));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_TRUE(*read == *written);
+  Graph again;
+  const auto readded = AddToGraph(*read, again);
+  ASSERT_TRUE(readded.ok()) << readded.status().message();
+  EXPECT_NEAR(again.Cost().value(), problem.Cost().value(), 1e-9 * problem.Cost().value());
+  EXPECT_EQ(again.NumEdges(), problem.NumEdges());
+  // And the same once more, but for rounding.
+  const auto twice = G2oFromGraph(again);
+  ASSERT_TRUE(twice.ok());
+  EXPECT_TRUE(twice->poses == written->poses && twice->points == written->points);
+  for (std::size_t k = 0; k < written->priors.size(); ++k) {
+    for (std::size_t i = 0; i < 21; ++i)
+      EXPECT_NEAR(twice->priors[k].information[i], written->priors[k].information[i], 1e-12);
+  }
+
+  ASSERT_TRUE(problem.SetFixed(handles->poses[3], Fix::kPosition).ok());
+  EXPECT_EQ(G2oFromGraph(problem).status().vertex(), AnyVertex(handles->poses[3]));
+  Graph other;
+  ASSERT_TRUE(other.AddVertex(VertexVector<3>()).ok());
+  EXPECT_EQ(G2oFromGraph(other).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_TRUE(G2oFromGraph(Graph()).value() == G2oProblem());
 }
 
 }  // namespace

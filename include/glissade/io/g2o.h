@@ -183,4 +183,11 @@ struct G2oHandles {
 /// of another problem.
 Status UpdateFromGraph(const Graph& graph, const G2oHandles& handles, G2oProblem* problem);
 
+/// The problem that a graph of one's own holds, poses and then points numbered from 0 in their
+/// order; AddToGraph makes the same costs of it. Losses have no place in the format and are left
+/// out. kInvalidArgument: types of vertices or edges other than VertexPose, VertexPointXYZ,
+/// EdgeRelativePose, EdgeSE3Prior and EdgePosePoint; a vertex that is held in part (which it
+/// names).
+[[nodiscard]] Result<G2oProblem> G2oFromGraph(const Graph& graph);
+
 }  // namespace glissade
