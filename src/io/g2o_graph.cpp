@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -15,8 +16,9 @@ namespace {
 
 using internal::G2oIds;
 
+/// Unit quaternions keep their bits: what a graph holds comes back as it was.
 Pose Normalized(Pose pose) {
-  pose.Normalize();
+  if (std::abs(pose.q().squaredNorm() - 1.0) > 1e-15) pose.Normalize();
   return pose;
 }
 
