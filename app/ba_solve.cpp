@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Solves a "Bundle Adjustment in the Large" problem.
+// Solves a "Bundle Adjustment in the Large" problem, a COLMAP model or a pose graph of g2o's.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -32,16 +32,19 @@ constexpr const char* kDescription =
     R"(Solves a bundle adjustment problem of the "Bundle Adjustment in the Large" collection
 (grail.cs.washington.edu/projects/bal): cameras with 9 parameters each (rotation,
 translation, focal length, two of distortion), points, and where the cameras saw them.
-Or a COLMAP model, with the cameras that its images share.)";
+Or a COLMAP model, with the cameras that its images share; or a graph of g2o's: poses, landmarks,
+known cameras.)";
 
 constexpr const char* kFooter =
     R"(FILE is text, compressed with gzip or bzip2 or not, or the binary form that is read four times as
-fast (.bbal); a folder is a COLMAP model, binary or text. --city makes a problem in memory instead:
-streets, houses, and a car with cameras. The cost is 1/2 sum rho(|r|^2), r in pixels.
+fast (.bbal); a folder is a COLMAP model, binary or text; a file that begins with a word is one of
+g2o's (docs/formats.md has its tags). --city makes a problem in memory instead: streets, houses, and
+a car with cameras. The cost is 1/2 sum rho(|r|^2), r in pixels; of g2o's, in sigmas. Where a graph
+of g2o's fixes no vertex and has no prior, its first pose is held.
 
 --output ends in .ply: points, coloured by their errors, and cameras, for MeshLab and others; of a
 COLMAP model, a folder for the model; else a BAL file, binary where it ends in .bbal, or where it is
-a folder or ends in '/' the problem as a COLMAP model.
+a folder or ends in '/' the problem as a COLMAP model. A graph of g2o's is written as .g2o.
 
 On a terminal a line under the table says how far a long solve is and how long it may take.
 
@@ -63,6 +66,7 @@ Examples:
   ba_solve --city 200 --seed 7 --output city.ply
   ba_solve --city 100 --memory-limit 500M --threads 2
   ba_solve MODEL --loss huber:1 --output refined         a COLMAP model
+  ba_solve data/loops.g2o.gz --output solved.g2o
 
 Ctrl-C ends the solve: the best solution so far is written like any other.
 
@@ -89,8 +93,9 @@ void AddOptions(app::Program& program, Options& o) {
   app::AddIterations(cli, &o.solver);
   app::AddTolerance(cli, &o.solver);
   app::AddThreads(cli, &o.solver);
-  program.AddOutputPath("--output", &o.output.path,
-                        "Write the solution to FILE: .txt, .gz, .bz2, .bbal, .ply, or a folder");
+  program.AddOutputPath(
+      "--output", &o.output.path,
+      "Write the solution to FILE: .txt, .gz, .bz2, .bbal, .ply, .g2o, or a folder");
   program.AddOutput("--json", &o.json, "Write the figures of the solve to FILE");
   cli.add_flag("--compare-ceres", o.compare_ceres, "Solve with Ceres too, under the same limits");
 }
@@ -128,6 +133,7 @@ nlohmann::ordered_json ToJson(const app::ProblemSize& size, const SolveSummary& 
                {"reduced_solver", summary.reduced.name},
                {"threads", o.solver.solve.num_threads}});
   if (size.images > 0) json["images"] = size.images;
+  if (size.poses > 0) json["poses"] = size.poses;
   return json;
 }
 
@@ -148,15 +154,14 @@ app::Outcome Run(const Options& o) {
   const auto start = std::chrono::steady_clock::now();
   app::StatusLine status;
   Problem problem;
-  std::optional<app::ColmapProblem> colmap;
-  if (Status s = app::LoadProblem(o.input, o.solver.loss, &status, &problem, &colmap); !s.ok()) {
+  app::ProblemSource source;
+  if (Status s = app::LoadProblem(o.input, o.solver.loss, &status, &problem, &source); !s.ok()) {
     return app::BadInput(s);
   }
   app::SolutionOutput output = o.output;
   output.colmap_text = o.input.colmap.text;
-  const app::ColmapProblem* const model = colmap ? &*colmap : nullptr;
-  if (Status s = app::CheckSolutionOutput(output, model); !s.ok()) return app::BadInput(s);
-  const app::ProblemSize size = app::SizeOf(problem);
+  if (Status s = app::CheckSolutionOutput(output, source); !s.ok()) return app::BadInput(s);
+  const app::ProblemSize size = app::SizeOf(problem, source);
   const std::chrono::duration<double> loaded = std::chrono::steady_clock::now() - start;
   std::optional<Graph> for_ceres;
   if (o.compare_ceres) for_ceres = static_cast<const Graph&>(problem).Clone().value();
@@ -170,8 +175,10 @@ app::Outcome Run(const Options& o) {
     if (it.iteration == 0) {
       app::Print("{}: {}, {} in {:.3f} s\n", o.input.Name(), app::ToString(size),
                  o.input.city == 0 ? "read" : "made", loaded.count());
-      const std::string left_out = colmap ? app::WhatIsLeftOut(colmap->handles) : "";
-      if (!left_out.empty()) app::Print("{}\n", left_out);
+      const std::string note = source.colmap ? app::WhatIsLeftOut(source.colmap->handles)
+                               : source.g2o  ? app::WhatIsHeld(source.g2o->handles)
+                                             : "";
+      if (!note.empty()) app::Print("{}\n", note);
       app::Print("{}\n", IterationTableHeader());
     }
     app::Print("{}\n", ToString(it));
@@ -199,7 +206,7 @@ app::Outcome Run(const Options& o) {
 
   // Ceres may not find a solution: ours is written before it is asked.
   if (!output.path.empty()) {
-    const Status s = app::WriteSolution(problem, model, output, &status);
+    const Status s = app::WriteSolution(problem, source, output, &status);
     status.Clear();
     if (!s.ok()) return app::Failed(s);
   }

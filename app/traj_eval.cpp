@@ -29,13 +29,17 @@ constexpr const char* kName = "traj_eval";
 
 constexpr const char* kDescription =
     R"(Judges an estimated trajectory by a reference: absolute errors (ATE) after alignment, and relative
-errors (RPE) per time and per distance travelled. Formulas: docs/evaluation.md.)";
+errors (RPE) per time and per distance travelled. Formulas: docs/evaluation.md. Or converts it to
+another format.)";
 
 constexpr const char* kFooter =
-    R"(ESTIMATE and REFERENCE are trajectory files: TUM's (stamp in seconds, px py pz qx qy qz qw) or
-EuRoC's (comma-separated: stamp in ns, px py pz qw qx qy qz ...), told apart by the commas, plain or
-compressed. REFERENCE may also be a recording's folder (VIOTRACKS), whose gravity then says what is
-vertical.
+    R"(ESTIMATE and REFERENCE are trajectory files: TUM's (stamp in seconds, px py pz qx qy qz qw),
+EuRoC's (comma-separated: stamp in ns, px py pz qw qx qy qz ...) or KITTI's (12 numbers a line, no
+stamp: --times or --rate), told apart by their first lines, plain or compressed. REFERENCE may also
+be a recording's folder (VIOTRACKS), whose gravity then says what is vertical.
+
+--output writes the estimate as it was read in another format, and needs no REFERENCE: by the end of
+the name EuRoC's (.csv) or KITTI's (.kitti), else TUM's; --format says it otherwise.
 
 --align moves the estimate by what its sensors cannot observe, and by no more:
   yaw     position and heading: a camera with an IMU
@@ -49,6 +53,8 @@ Examples:
   traj_eval estimate.txt truth.csv --align sim3 --json figures.json
   traj_eval estimate.txt truth.txt --match nearest --tolerance 0.02
   traj_eval estimate.txt truth.csv --vertical 0,-1,0     y of the reference's world is down
+  traj_eval 00.txt poses/00.txt --times sequences/00/times.txt --vertical 0,-1,0
+  traj_eval estimate.csv --output estimate.kitti --output-times times.txt
 
 Exit code: 0; 2 where a file or an option makes no sense, or the two cannot be matched or aligned; 1
 where a file cannot be written.)";
@@ -61,13 +67,14 @@ struct Options {
   double interval_s = 1.0;
   std::vector<double> lengths_m;
   int every = 1;
-  std::string json, aligned;
+  KittiStamps stamps;
+  std::string json, aligned, output, format, output_times;
 };
 
 void AddOptions(app::Program& program, Options& o) {
   CLI::App& cli = program.cli();
   cli.add_option("ESTIMATE", o.estimate, "Trajectory file")->required();
-  cli.add_option("REFERENCE", o.reference, "Trajectory file, or folder of a recording")->required();
+  cli.add_option("REFERENCE", o.reference, "Trajectory file, or folder of a recording");
   app::AddChoice(cli, "--align", &o.align, {"yaw", "se3", "sim3", "none"},
                  "Alignment: yaw (default), se3, sim3 or none");
   app::AddNumbers(cli, "--vertical", &o.vertical, -1e3, 1e3,
@@ -90,6 +97,19 @@ void AddOptions(app::Program& program, Options& o) {
                   "Relative errors from every N-th pose on (default 1)");
   program.AddOutput("--json", &o.json, "Write the figures to FILE");
   program.AddOutputFile("--aligned", &o.aligned, "Write the aligned estimate to FILE (TUM)");
+  CLI::Option* times = cli.add_option("--times", o.stamps.times,
+                                      "Stamps of KITTI's files: a time in seconds per pose");
+  app::AddNumber(cli, "--rate", &o.stamps.rate_hz, 1e-6, 1e9, "The same: poses per second")
+      ->excludes(times);
+  CLI::Option* output =
+      program.AddOutputFile("--output", &o.output, "Write the estimate as it was read to FILE");
+  app::AddChoice(cli, "--format", &o.format, {"tum", "euroc", "kitti"},
+                 "In which --output is written: tum, euroc or kitti (default: by its name)")
+      ->needs(output);
+  program
+      .AddOutputFile("--output-times", &o.output_times,
+                     "KITTI: write the stamps to FILE, which --output has not")
+      ->needs(output);
 }
 
 std::int64_t Nanoseconds(double seconds) {
@@ -107,9 +127,10 @@ struct Figures {
 };
 
 /// The reference; sets the vertical where the file knows it.
-Result<eval::Trajectory> ReadReference(const std::string& path, Vector3* vertical) {
+Result<eval::Trajectory> ReadReference(const std::string& path, const KittiStamps& stamps,
+                                       Vector3* vertical) {
   std::error_code error;
-  if (!std::filesystem::is_directory(path, error)) return ReadTrajectory(path);
+  if (!std::filesystem::is_directory(path, error)) return ReadTrajectory(path, stamps);
   const auto recording = ReadViotracks(path);
   if (!recording.ok()) return recording.status();
   if (recording->ground_truth.empty()) {
@@ -133,22 +154,20 @@ eval::AlignmentKind KindOf(const std::string& word) {
   return eval::AlignmentKind::kNone;
 }
 
-Result<Figures> Evaluate(const Options& o) {
+Result<Figures> Evaluate(const Options& o, const eval::Trajectory& estimate) {
   Figures f;
   f.vertical = Vector3(0.0, 0.0, 1.0);
-  const auto estimate = ReadTrajectory(o.estimate);
-  if (!estimate.ok()) return estimate.status();
-  const auto reference = ReadReference(o.reference, &f.vertical);
+  const auto reference = ReadReference(o.reference, o.stamps, &f.vertical);
   if (!reference.ok()) return reference.status();
   if (!o.vertical.empty()) f.vertical = Vector3(o.vertical[0], o.vertical[1], o.vertical[2]);
-  f.estimated = estimate->size();
+  f.estimated = estimate.size();
   eval::AssociationOptions association;
   association.kind =
       o.match == "nearest" ? eval::AssociationKind::kNearest : eval::AssociationKind::kInterpolated;
   association.tolerance_ns = Nanoseconds(o.tolerance_s);
   association.max_gap_ns = Nanoseconds(o.max_gap_s);
   association.offset_ns = Nanoseconds(o.offset_s);
-  auto matched = eval::Associate(*estimate, *reference, association);
+  auto matched = eval::Associate(estimate, *reference, association);
   if (!matched.ok()) return matched.status();
   f.matched = std::move(matched).value();
 
@@ -270,6 +289,39 @@ Json ToJson(const Figures& f, const Options& o) {
   return json;
 }
 
+TrajectoryFormat OutputFormat(const Options& o) {
+  const auto ends_with = [&](const std::string& ending) {
+    return o.output.ends_with(ending) || o.output.ends_with(ending + ".gz") ||
+           o.output.ends_with(ending + ".bz2");
+  };
+  if (o.format == "euroc" || (o.format.empty() && ends_with(".csv")))
+    return TrajectoryFormat::kEuroc;
+  if (o.format == "kitti" || (o.format.empty() && ends_with(".kitti")))
+    return TrajectoryFormat::kKitti;
+  return TrajectoryFormat::kTum;
+}
+
+/// What options ask of each other and of the files.
+Status CheckFiles(const Options& o) {
+  const auto refused = [](const std::string& what) {
+    return Status(StatusCode::kInvalidArgument, what);
+  };
+  if (o.reference.empty()) {
+    if (o.output.empty()) return refused("REFERENCE is required, but for --output alone");
+    if (!o.json.empty()) return refused("--json: needs REFERENCE");
+    if (!o.aligned.empty()) return refused("--aligned: needs REFERENCE");
+  }
+  if (!o.output_times.empty() && OutputFormat(o) != TrajectoryFormat::kKitti)
+    return refused("--output-times: only KITTI's files are without stamps");
+  if (o.stamps.times.empty() && o.stamps.rate_hz == 0.0) return {};
+  for (const std::string& path : {o.estimate, o.reference}) {
+    const auto format = FindTrajectoryFormat(path);
+    // What cannot be read is told when it is read; a folder has its own stamps.
+    if (format.ok() ? format.value() == TrajectoryFormat::kKitti : path == o.estimate) return {};
+  }
+  return refused("--times and --rate: neither file is one of KITTI's, the others have stamps");
+}
+
 app::Outcome Run(const Options& o) {
   const bool zero = o.vertical == std::vector<double>{0.0, 0.0, 0.0};
   if (!o.vertical.empty() && (o.vertical.size() != 3 || zero)) {
@@ -280,11 +332,24 @@ app::Outcome Run(const Options& o) {
       return app::BadInput("--lengths: must increase");
     }
   }
-  const auto figures = Evaluate(o);
+  if (Status s = CheckFiles(o); !s.ok()) return app::BadInput(s);
+  const auto estimate = ReadTrajectory(o.estimate, o.stamps);
+  if (!estimate.ok()) return app::BadInput(estimate.status());
+  const auto convert = [&] {
+    return WriteTrajectory(*estimate, o.output, OutputFormat(o), o.output_times);
+  };
+  if (o.reference.empty()) {
+    const Status converted = convert();
+    if (converted.ok()) app::Print("{}: {} poses\n", o.output, estimate->size());
+    return converted.ok() ? app::Outcome() : app::Failed(converted);
+  }
+  const auto figures = Evaluate(o, *estimate);
   if (!figures.ok()) return app::BadInput(figures.status());
   Print(*figures, o);
   Status written;
-  if (!o.aligned.empty()) written = WriteTumTrajectory(figures->matched.estimate, o.aligned);
+  if (!o.output.empty()) written = convert();
+  if (written.ok() && !o.aligned.empty())
+    written = WriteTumTrajectory(figures->matched.estimate, o.aligned);
   if (written.ok() && !o.json.empty()) written = app::WriteJson(o.json, ToJson(*figures, o), 2);
   return written.ok() ? app::Outcome() : app::Failed(written);
 }

@@ -27,9 +27,9 @@ bool IsFolder(const std::string& path) {
   return path.ends_with('/') || fs::is_directory(path, error);
 }
 
-ColmapFormat FormatOf(const SolutionOutput& output, const ColmapProblem* colmap) {
+ColmapFormat FormatOf(const SolutionOutput& output, const ProblemSource& source) {
   if (output.colmap_text) return ColmapFormat::kText;
-  return colmap != nullptr ? colmap->format : ColmapFormat::kBinary;
+  return source.colmap ? source.colmap->format : ColmapFormat::kBinary;
 }
 
 Status Refused(const SolutionOutput& output, const char* why) {
@@ -38,41 +38,52 @@ Status Refused(const SolutionOutput& output, const char* why) {
 
 }  // namespace
 
-Status CheckSolutionOutput(const SolutionOutput& output, const ColmapProblem* colmap) {
-  if (output.path.empty() || output.path.ends_with(".ply")) return {};
+Status CheckSolutionOutput(const SolutionOutput& output, const ProblemSource& source) {
+  if (output.path.empty()) return {};
+  if (source.g2o.has_value() != IsG2oName(output.path)) {
+    return Refused(output, source.g2o ? "what comes from g2o's file is written as .g2o"
+                                      : "only what comes from g2o's file is written as such");
+  }
+  if (source.g2o || output.path.ends_with(".ply")) return {};
   const bool folder = IsFolder(output.path);
-  if (colmap == nullptr && !folder) return {};
+  if (!source.colmap && !folder) return {};
   if (!folder && IsBalName(output.path))
     return Refused(output, "a COLMAP model is written to a folder, or as .ply");
   std::error_code error;
   if (fs::exists(output.path, error) && !fs::is_directory(output.path, error))
     return Refused(output, "is a file, not a folder");
   const auto there = FindColmapFormat(output.path);
-  if (FormatOf(output, colmap) == ColmapFormat::kText && there.ok() &&
+  if (FormatOf(output, source) == ColmapFormat::kText && there.ok() &&
       there.value() == ColmapFormat::kBinary) {
     return Refused(output, "has a binary model, which would be read instead of the text");
   }
   return {};
 }
 
-Status WriteSolution(const Problem& problem, const ColmapProblem* colmap,
+Status WriteSolution(const Problem& problem, const ProblemSource& source,
                      const SolutionOutput& output, StatusLine* status) {
   const std::string& path = output.path;
   if (path.ends_with(".ply")) {
     const auto scene = PlyOfGraph(problem);
     return scene.ok() ? WritePly(*scene, path) : scene.status();
   }
-  if (colmap != nullptr) {
-    ColmapModel solved = colmap->model;
-    if (Status s = UpdateFromGraph(problem, colmap->handles, &solved); !s.ok()) return s;
+  if (source.g2o) {
+    G2oProblem solved = source.g2o->problem;
+    if (Status s = UpdateFromGraph(problem, source.g2o->handles, &solved); !s.ok()) return s;
     status->Show("writing " + path);
-    return WriteColmap(solved, path, FormatOf(output, colmap));
+    return WriteG2o(solved, path);
+  }
+  if (source.colmap) {
+    ColmapModel solved = source.colmap->model;
+    if (Status s = UpdateFromGraph(problem, source.colmap->handles, &solved); !s.ok()) return s;
+    status->Show("writing " + path);
+    return WriteColmap(solved, path, FormatOf(output, source));
   }
   const auto solved = BalFromGraph(problem);
   if (!solved.ok()) return solved.status();
   if (IsFolder(path)) {
     const auto model = ColmapFromBal(*solved);
-    return model.ok() ? WriteColmap(*model, path, FormatOf(output, colmap)) : model.status();
+    return model.ok() ? WriteColmap(*model, path, FormatOf(output, source)) : model.status();
   }
   return WriteBal(*solved, path, [&](double part) { status->ShowPart("writing " + path, part); });
 }

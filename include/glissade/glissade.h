@@ -13,6 +13,7 @@
 #include "glissade/covariance/transform.h"
 #include "glissade/edges/bal.h"
 #include "glissade/edges/imu.h"
+#include "glissade/edges/pose_point.h"
 #include "glissade/edges/pose_prior_vec.h"
 #include "glissade/edges/relative_pose.h"
 #include "glissade/edges/reprojection.h"

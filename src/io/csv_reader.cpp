@@ -105,6 +105,7 @@ bool CsvReader::NextRow() {
     if (!NextLine()) return false;
     text_ = Trimmed(text_);
   } while (text_.empty() || text_[0] == '#');
+  row_ = text_;
   const std::string_view separators = separator_ == ' ' ? " \t" : ",";
   while (true) {
     const std::size_t end = text_.find_first_of(separators);

@@ -23,6 +23,10 @@ class CsvReader {
 
   [[nodiscard]] bool ok() const { return status_.ok(); }
   [[nodiscard]] const Status& status() const { return status_; }
+  /// Of the present row, from 1.
+  [[nodiscard]] std::int64_t line() const { return line_; }
+  /// The present row as it is, without white space around it.
+  [[nodiscard]] std::string_view row() const { return row_; }
   /// Fails at the line of the present row; the first failure is kept.
   void Fail(const std::string& message, StatusCode code = StatusCode::kParseError);
 
@@ -57,7 +61,8 @@ class CsvReader {
   std::vector<char> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // not yet looked at
   bool source_ended_ = false;
-  std::string_view text_;  // of the present line
+  std::string_view text_;  // of the present line, fields cut off
+  std::string_view row_;   // the same, whole
   std::vector<std::string_view> fields_;
   std::int64_t line_ = 0;
   bool non_finite_ = false;

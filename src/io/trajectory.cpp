@@ -100,14 +100,42 @@ Status WriteEurocTrajectory(std::span<const StampedPose> trajectory, const std::
   });
 }
 
-Result<Trajectory> ReadTrajectory(const std::string& path) {
-  return internal::OrOutOfMemory([&]() -> Result<Trajectory> {
-    auto reader = CsvReader::Open(path);
+Result<TrajectoryFormat> FindTrajectoryFormat(const std::string& path) {
+  return internal::OrOutOfMemory([&]() -> Result<TrajectoryFormat> {
+    auto reader = CsvReader::Open(path, ' ');
     if (!reader.ok()) return reader.status();
-    const bool commas = reader->NextRow() && reader->num_fields() > 1;
+    const bool some = reader->NextRow();
     if (!reader->ok()) return reader->status();
-    return commas ? ReadEurocTrajectory(path) : ReadTumTrajectory(path);
+    if (some && reader->row().find(',') != std::string_view::npos) return TrajectoryFormat::kEuroc;
+    return reader->num_fields() == 12 ? TrajectoryFormat::kKitti : TrajectoryFormat::kTum;
   });
+}
+
+Result<Trajectory> ReadTrajectory(const std::string& path, const KittiStamps& stamps) {
+  const auto format = FindTrajectoryFormat(path);
+  if (!format.ok()) return format.status();
+  switch (format.value()) {
+    case TrajectoryFormat::kEuroc:
+      return ReadEurocTrajectory(path);
+    case TrajectoryFormat::kKitti:
+      return ReadKittiTrajectory(path, stamps);
+    case TrajectoryFormat::kTum:
+      break;
+  }
+  return ReadTumTrajectory(path);
+}
+
+Status WriteTrajectory(std::span<const StampedPose> trajectory, const std::string& path,
+                       TrajectoryFormat format, const std::string& kitti_times) {
+  switch (format) {
+    case TrajectoryFormat::kTum:
+      return WriteTumTrajectory(trajectory, path);
+    case TrajectoryFormat::kEuroc:
+      return WriteEurocTrajectory(trajectory, path);
+    case TrajectoryFormat::kKitti:
+      return WriteKittiTrajectory(trajectory, path, kitti_times);
+  }
+  return {StatusCode::kInvalidArgument, path + ": there is no such format of a trajectory"};
 }
 
 }  // namespace glissade

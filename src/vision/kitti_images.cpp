@@ -6,6 +6,7 @@
 
 #include "glissade/vision/image.h"
 #include "io/csv_reader.h"
+#include "io/kitti_poses.h"
 #include "vision/image_layouts.h"
 
 namespace glissade::vision {
@@ -94,33 +95,15 @@ Status ReadTruth(const fs::path& folder, ImageRecording* recording) {
   const std::string path = (folder / "poses.txt").string();
   std::error_code error;
   if (!fs::exists(path, error)) return {};
-  auto reader = CsvReader::Open(path, ' ');
-  if (!reader.ok()) return reader.status();
-  CsvReader& in = *reader;
-  auto& truth = recording->ground_truth;
-  while (in.NextRow()) {
-    in.ExpectFields(12, "a pose: 12 numbers");
-    double T[12];
-    in.Numbers(0, 12, T, "pose");
-    if (!in.ok()) break;
-    if (truth.size() >= recording->frames.size()) {
-      in.Fail("more poses than times");
-      break;
-    }
-    Matrix3 R;
-    R << T[0], T[1], T[2], T[4], T[5], T[6], T[8], T[9], T[10];
-    if (!((R.transpose() * R - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-3) ||
-        R.determinant() < 0.0) {
-      in.Fail("the pose is no rigid motion");
-      break;
-    }
+  const auto poses = glissade::internal::ReadKittiPoses(path, recording->frames.size());
+  if (!poses.ok()) return poses.status();
+  for (const Pose& T_w_b : poses.value()) {
     GroundTruthState state;
-    state.stamp_ns = recording->frames[truth.size()].stamp_ns;
-    state.T_w_b = Pose(R, Vector3(T[3], T[7], T[11]));
-    state.T_w_b.Normalize();
-    truth.push_back(state);
+    state.stamp_ns = recording->frames[recording->ground_truth.size()].stamp_ns;
+    state.T_w_b = T_w_b;
+    recording->ground_truth.push_back(state);
   }
-  return in.status();
+  return {};
 }
 
 }  // namespace

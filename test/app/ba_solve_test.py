@@ -65,6 +65,96 @@ def make_bal(num_cameras=5, num_points=60, noise=0.5, seed=3):
     return text, cost
 
 
+def multiply(p, q):
+    """Hamilton product, x y z w."""
+    px, py, pz, pw = p
+    qx, qy, qz, qw = q
+    return [pw * qx + px * qw + py * qz - pz * qy, pw * qy - px * qz + py * qw + pz * qx,
+            pw * qz + px * qy - py * qx + pz * qw, pw * qw - px * qx - py * qy - pz * qz]
+
+
+def turn(q, x):
+    conjugate = [-q[0], -q[1], -q[2], q[3]]
+    return multiply(multiply(q, [*x, 0.0]), conjugate)[:3]
+
+
+def compose(a, b):
+    """T_a_b T_b_c, each position and quaternion."""
+    p = turn(a[3:], b[:3])
+    q = multiply(a[3:], b[3:])
+    n = math.sqrt(sum(x * x for x in q))
+    return [a[i] + p[i] for i in range(3)] + [x / n for x in q]
+
+
+def inverse(a):
+    q = [-a[3], -a[4], -a[5], a[6]]
+    return [-x for x in turn(q, a[:3])] + q
+
+
+def make_g2o(poses=30, turns=3, seed=4, sigma_t=0.02, sigma_r=0.01):
+    """A pose graph, turns around a circle with closures between them and a few landmarks, started from its
+    odometry; and g2o's chi2 of the text of such a graph. sigma_r is that of half the angle."""
+    rng = random.Random(seed)
+    truth = []
+    for k in range(poses):
+        a = 2 * math.pi * turns * k / poses
+        truth.append([4 * math.cos(a), 4 * math.sin(a), 0.02 * k, 0.0, 0.0, math.sin(a / 2), math.cos(a / 2)])
+    wt, wr = sigma_t ** -2, sigma_r ** -2
+    information = [x for r in range(6) for x in [wt if r < 3 else wr] + [0.0] * (5 - r)]
+
+    def measure(i, j):
+        v = [rng.gauss(0, sigma_r) for _ in range(3)]
+        noise = [rng.gauss(0, sigma_t) for _ in range(3)] + v + [math.sqrt(1 - sum(x * x for x in v))]
+        return compose(compose(inverse(truth[i]), truth[j]), noise)
+
+    edges = [(k - 1, k, measure(k - 1, k)) for k in range(1, poses)]
+    vertices = [truth[0]]
+    for _, _, z in edges:
+        vertices.append(compose(vertices[-1], z))
+    around = poses // turns
+    edges += [(k - around, k, measure(k - around, k)) for k in range(around, poses)]
+    number = "{:.9g}".format
+    lines = ["# made by the test", "PARAMS_SE3OFFSET 0 0 0 0.1 0 0 0 1"]
+    lines += [f"VERTEX_SE3:QUAT {k} " + " ".join(map(number, x)) for k, x in enumerate(vertices)]
+    lines += [f"EDGE_SE3:QUAT {i} {j} " + " ".join(map(number, z + information)) for i, j, z in edges]
+    for n in range(4):
+        x = [rng.uniform(-5, 5) for _ in range(3)]
+        lines.append(f"VERTEX_TRACKXYZ {1000 + n} " + " ".join(map(number, x)))
+        for k in range(n, poses, 5):
+            sensor = compose(truth[k], [0, 0, 0.1, 0, 0, 0, 1])
+            seen = [a + rng.gauss(0, 0.05) for a in compose(inverse(sensor), [*x, 0, 0, 0, 1])[:3]]
+            lines.append(f"EDGE_SE3_TRACKXYZ {k} {1000 + n} 0 " + " ".join(map(number, seen + [400, 0, 0, 400, 0, 400])))
+    return "\n".join(lines) + "\n"
+
+
+def g2o_chi2(text):
+    """By g2o's formulas: [translation, vector part of the quaternion] of Z^-1 Xi^-1 Xj, and in the sensor."""
+    vertices, offsets, chi2 = {}, {}, 0.0
+    rows = [line.split() for line in text.splitlines() if line and not line.startswith("#")]
+    for tag, *words in rows:
+        if tag == "VERTEX_SE3:QUAT" or tag == "PARAMS_SE3OFFSET":
+            x = [float(w) for w in words[1:]]
+            n = math.sqrt(sum(a * a for a in x[3:]))
+            (vertices if tag.startswith("V") else offsets)[words[0]] = x[:3] + [a / n for a in x[3:]]
+        elif tag == "VERTEX_TRACKXYZ":
+            vertices[words[0]] = [float(w) for w in words[1:]]
+    for tag, *words in rows:
+        x = [float(w) for w in words]
+        if tag == "EDGE_SE3:QUAT":
+            delta = compose(inverse(x[2:9]), compose(inverse(vertices[words[0]]), vertices[words[1]]))
+            e, information = [*delta[:3], *(math.copysign(1, delta[6]) * a for a in delta[3:6])], x[9:]
+        elif tag == "EDGE_SE3_TRACKXYZ":
+            sensor = compose(vertices[words[0]], offsets[words[2]])
+            p = compose(inverse(sensor), vertices[words[1]] + [0, 0, 0, 1])
+            e, information = [p[i] - x[3 + i] for i in range(3)], x[6:]
+        else:
+            continue
+        upper = iter(information)
+        chi2 += sum(next(upper) * e[r] * e[c] * (1 if r == c else 2)
+                    for r in range(len(e)) for c in range(r, len(e)))
+    return chi2
+
+
 class BaSolve(AppTest):
     app = "ba_solve"
     numeric_options = {"--iterations": ("-1", "1.5", "1000001", "1e3"),
@@ -249,6 +339,67 @@ class BaSolve(AppTest):
                            (("model", "--output", "no/such/folder/"), "--output"),
                            (("model", "--principal-point", "--fix-intrinsics"), "--principal-point"),
                            ((path, "--fix-intrinsics"), "--fix-intrinsics")):
+            with self.subTest(args=args):
+                result = self.run_app(*args)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertIn(says, result.stderr)
+                self.assertEqual(result.stderr.count("\n"), 1)
+
+    def test_g2o(self):
+        """A pose graph from file to file, its costs by g2o's formulas."""
+        text = make_g2o()
+        path = self.write("a.g2o", text)
+        (self.folder / "a.gz").write_bytes(gzip.compress(text.encode()))
+        result = self.run_json(path, "--tolerance", "1e-12", "--output", "out.g2o")
+        self.check_schema(result, "poses")
+        self.assertEqual([result[k] for k in ("poses", "cameras", "points", "observations")], [30, 0, 4, 73])
+        self.assertLess(abs(2 * result["initial_cost"] / g2o_chi2(text) - 1), 1e-2)  # turned by up to 0.3 rad
+        solved = (self.folder / "out.g2o").read_text(encoding="utf-8")
+        self.assertLess(abs(2 * result["final_cost"] / g2o_chi2(solved) - 1), 1e-3)
+        # 369 residuals less 29 * 6 + 4 * 3 unknowns.
+        self.assertAlmostEqual(2 * result["final_cost"] / 183, 1, delta=5 * math.sqrt(2 / 183))
+        self.assertEqual(self.run_json("a.gz", "--tolerance", "1e-12")["final_cost"], result["final_cost"])
+        again = self.run_json("out.g2o", "--iterations", 0, "--output", "again.g2o.bz2")
+        self.assertAlmostEqual(again["initial_cost"] / result["final_cost"], 1, places=12)
+        # What was not solved for is there as it was, and so is the vertex that was held.
+        kept = [[line.split()[0], *map(float, line.split()[1:])] for line in text.splitlines()
+                if line.startswith(("EDGE", "PARAMS", "VERTEX_SE3:QUAT 0 "))]
+        written = [[line.split()[0], *map(float, line.split()[1:])] for line in solved.splitlines()
+                   if line.startswith(("EDGE", "PARAMS", "VERTEX_SE3:QUAT 0 "))]
+        self.assertEqual(sorted(kept), sorted(written))
+        out = self.run_ok(path, "--iterations", 1)
+        self.assertIn("a.g2o: 30 poses, 0 cameras, 4 points, 73 edges, read in", out)
+        self.assertIn("\nvertex 0 is held: the file fixes none and has no prior\n", out)
+        self.assertNotIn("is held", self.run_ok(self.write("b.g2o", text + "FIX 3\n"), "--iterations", 1))
+        solvers = {self.run_json(path, "--tolerance", "1e-12", "--linear-solver", name)["final_cost"]
+                   for name in ("dense", "sparse")}
+        self.assertLess(max(solvers) / min(solvers) - 1, 1e-9)
+
+    def test_own_pose_graph(self):
+        path = ROOT / "data" / "loops.g2o.gz"
+        there = gzip.decompress(path.read_bytes()).decode().split()
+        made = make_g2o(poses=80, turns=5, seed=1).split()
+        self.assertEqual(len(there), len(made))
+        for a, b in zip(there, made):
+            if a != b:  # another machine's sine
+                self.assertAlmostEqual(float(a), float(b), delta=1e-8)
+        self.assertAlmostEqual(self.run_json(path)["final_cost"] / 292.4780, 1, delta=1e-6)
+
+    def test_refuses_g2o(self):
+        text = make_g2o(poses=12)
+        path = self.write("a.g2o", text)
+        lines = text.splitlines()
+        self.write("tag.g2o", text + "EDGE_SE2 0 1 0 0 0 1 0 0 1 0 1\n")
+        self.write("vertex.g2o", text + lines[-1].replace(" 1003 ", " 77 ") + "\n")
+        self.write("cut.g2o", text[:-8])
+        bal = self.write("a.txt", make_bal(num_points=10)[0])
+        for args, says in ((("tag.g2o",), f"tag.g2o:{len(lines) + 1}: tag 'EDGE_SE2' is not supported"),
+                           (("vertex.g2o",), f"vertex.g2o:{len(lines) + 1}: EDGE_SE3_TRACKXYZ: there is no vertex 77"),
+                           (("cut.g2o",), f"cut.g2o:{len(lines)}: expected EDGE_SE3_TRACKXYZ"),
+                           ((path, "--output", "a.ply"), "--output: a.ply"),
+                           ((path, "--output", "b.txt"), "--output: b.txt"),
+                           ((path, "--fix-intrinsics"), "--fix-intrinsics"),
+                           ((bal, "--output", "b.g2o"), "--output: b.g2o")):
             with self.subTest(args=args):
                 result = self.run_app(*args)
                 self.assertEqual(result.returncode, 2, result.stderr)

@@ -82,11 +82,11 @@ class TrajEvalTest(AppTest):
     app = "traj_eval"
     numeric_options = {"--vertical": ("1,2", "0,0,0", "1,,2"), "--tolerance": ("-1",), "--max-gap": ("-1",),
                        "--offset": (), "--interval": ("0", "-1"), "--lengths": ("0", "5,5", "5,4", "5,"),
-                       "--every": ("0", "1.5")}
+                       "--every": ("0", "1.5"), "--rate": ("0", "-10")}
 
     def test_help_and_version(self):
         text = self.run_ok("--help")
-        for word in ("Examples:", "Exit code:", "yaw", "se3", "sim3", "none", "--json", "TUM", "EuRoC", "VIOTRACKS"):
+        for word in ("Examples:", "Exit code:", "yaw", "se3", "sim3", "none", "--json", "TUM", "EuRoC", "KITTI", "VIOTRACKS"):
             self.assertIn(word, text)
         for line in text.splitlines():
             self.assertLessEqual(len(line), 100, line)
@@ -142,6 +142,78 @@ class TrajEvalTest(AppTest):
         self.assertIsNone(r["rpe_time"])
         self.assertIsNone(r["rpe_distance"])
         self.check_json_on_stdout(estimate, FLIGHT)
+
+    def test_formats(self):
+        """The truth in each format is the truth, however it was converted."""
+        truth = FLIGHT / "groundtruth.csv.gz"
+        self.run_ok(truth, "--output", "a.tum")
+        self.run_ok("a.tum", "--output", "b.csv.gz")
+        out = self.run_ok("b.csv.gz", "--output", "c.kitti", "--output-times", "times.txt")
+        poses = len(read_truth(truth))
+        self.assertEqual(out, f"c.kitti: {poses} poses\n")
+        self.run_ok("c.kitti", "--times", "times.txt", "--output", "d.txt", "--format", "euroc")
+        for args in (("a.tum",), ("b.csv.gz",), ("c.kitti", "--times", "times.txt"), ("d.txt",)):
+            r = self.run_json(args[0], truth, "--align", "none", *args[1:])
+            self.assertEqual(r["poses"], poses)
+            self.assertLess(r["ate"]["translation_m"]["max"], 1e-12, args)
+            self.assertLess(r["ate"]["rotation_deg"]["max"], 1e-5, args)
+        kitti = (self.folder / "c.kitti").read_text(encoding="utf-8").splitlines()
+        self.assertEqual({len(line.split()) for line in kitti}, {12})
+        # By a rate: the same poses, at other times.
+        self.run_ok("c.kitti", "--rate", "10", "--output", "e.tum")
+        lines = [line.split() for line in (self.folder / "e.tum").read_text(encoding="utf-8").splitlines()
+                 if not line.startswith("#")]
+        self.assertEqual([lines[k][0] for k in (0, 1, 15)], ["0.000000000", "0.100000000", "1.500000000"])
+        # Beside being judged.
+        self.run_ok("c.kitti", truth, "--times", "times.txt", "--output", "f.tum", "--aligned", "g.tum")
+        self.assertEqual(len((self.folder / "f.tum").read_text(encoding="utf-8").splitlines()), poses + 1)
+
+    def test_evo_reads_what_is_written(self):
+        python = python_with_evo()
+        if python is None:
+            self.skipTest("no Python with evo here (scripts/test.sh installs one in build/evo-venv)")
+        truth = FLIGHT / "groundtruth.csv.gz"
+        names = ("a.tum", "a.csv", "a.kitti")
+        for name in names:
+            self.run_ok(truth, "--output", name)
+        done = subprocess.run([python, pathlib.Path(__file__).parent / "evo_reads.py", *names], cwd=self.folder,
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        known = read_truth(truth)
+        found = json.loads(done.stdout)
+        self.assertEqual(set(found), {"tum", "euroc", "kitti"})
+        for name, trajectory in found.items():
+            self.assertTrue(trajectory["valid"], (name, trajectory["details"]))
+            self.assertEqual(len(trajectory["poses"]), len(known))
+            for T, (_, p, q) in zip(trajectory["poses"], known):
+                columns = [rotated(q, axis) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1))] + [p]
+                worst = max(abs(T[r][c] - columns[c][r]) for r in range(3) for c in range(4))
+                self.assertLess(worst, 1e-12, name)
+            if name != "kitti":
+                worst = max(abs(t - ns * 1e-9) for t, (ns, _, _) in zip(trajectory["stamps"], known))
+                self.assertLess(worst, 1e-6, name)
+
+    def test_refuses_formats(self):
+        truth = FLIGHT / "groundtruth.csv.gz"
+        self.run_ok(truth, "--output", "a.kitti", "--output-times", "times.txt")
+        self.write("short.txt", "0\n1\n")
+        for args, says in ((("a.kitti", truth), "a.kitti: poses of KITTI (12 numbers a line) have no stamps"),
+                           (("a.kitti", truth, "--times", "short.txt"), "a.kitti:3: more poses than times"),
+                           (("a.kitti", truth, "--times", "absent"), "absent"),
+                           (("a.kitti", truth, "--times", "times.txt", "--rate", "1"), "--rate"),
+                           ((truth, FLIGHT, "--times", "times.txt"), "--times"),
+                           ((truth, "--rate", "10", "--output", "b.tum"), "--rate"),
+                           ((truth, "--json", "a.json", "--output", "b.tum"), "--json: needs REFERENCE"),
+                           ((truth, "--aligned", "a.tum", "--output", "b.tum"), "--aligned: needs REFERENCE"),
+                           ((truth, "--format", "tum"), "--format"),
+                           ((truth, "--output", "b.tum", "--output-times", "c"), "--output-times"),
+                           ((truth, "--output", "b", "--format", "ply"), "--format")):
+            with self.subTest(args=args):
+                before = self.files()
+                result = self.run_app(*args)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertIn(says, result.stderr)
+                self.assertEqual(self.files(), before)
 
     def test_refusals(self):
         truth = FLIGHT / "groundtruth.csv.gz"

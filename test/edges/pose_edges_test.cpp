@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "edges/edge_test_util.h"
+#include "glissade/edges/pose_point.h"
 #include "glissade/edges/pose_prior_vec.h"
 #include "glissade/edges/relative_pose.h"
 #include "glissade/edges/se3_prior.h"
@@ -104,6 +105,28 @@ TEST(EdgeRelativePose, Jacobians) {
     ExpectJacobians(EdgeRelativePose{random.RandomPose(3.0, angle)},
                     VertexPose{random.RandomPose(3.0, angle)}, VertexPose{random.RandomPose(3.0)});
   }
+}
+
+TEST(EdgePosePoint, ResidualAndJacobians) {
+  static_assert(EdgeType<EdgePosePoint> && kEvaluatesInPacks<EdgePosePoint>);
+  Random random(6);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Pose T_w_b = random.RandomPose(3.0), T_b_s = random.RandomPose(1.0);
+    const Vector3 p_s = random.Vec3(5.0), error = random.Vec3(0.5);
+    const VertexPointXYZ point(T_w_b * (T_b_s * Vector3(p_s + error)));
+    const EdgePosePoint edge{p_s, T_b_s};
+    Vector3 r;
+    ASSERT_TRUE(edge.Evaluate(VertexPose{T_w_b}, point, r, nullptr, nullptr));
+    EXPECT_LT((r - error).norm(), 1e-13);
+    ExpectJacobians(edge, VertexPose{T_w_b}, point);
+  }
+  Vector3 r;
+  VertexPointXYZ nowhere;
+  nowhere.data[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(EdgePosePoint{}.Evaluate(VertexPose{}, nowhere, r, nullptr, nullptr));
+  EXPECT_TRUE(EdgePosePoint{}.Validate().ok());
+  EXPECT_EQ((EdgePosePoint{Vector3(nowhere.p()), Pose()}).Validate().code(),
+            StatusCode::kNotFinite);
 }
 
 TEST(PoseEdges, Validate) {

@@ -267,6 +267,87 @@ TEST(TrajectoryFiles, WritersRefuseWhatIsNone) {
   EXPECT_EQ(files.Read("kept"), "kept");
 }
 
+TEST(KittiTrajectory, RoundTrip) {
+  const TempFiles files;
+  const Trajectory wrote = RandomTrajectory(200);
+  ASSERT_TRUE(WriteKittiTrajectory(wrote, files.Path("poses.txt"), files.Path("times.txt")).ok());
+  EXPECT_EQ(FindTrajectoryFormat(files.Path("poses.txt")).value(), TrajectoryFormat::kKitti);
+  const auto read = ReadTrajectory(files.Path("poses.txt"), {.times = files.Path("times.txt")});
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ASSERT_EQ(read->size(), wrote.size());
+  for (std::size_t k = 0; k < wrote.size(); ++k) {
+    EXPECT_EQ((*read)[k].stamp_ns, wrote[k].stamp_ns);
+    EXPECT_EQ(Vector3((*read)[k].T_w_b.p()), Vector3(wrote[k].T_w_b.p()));
+    EXPECT_LT(((*read)[k].T_w_b.R() - wrote[k].T_w_b.R()).norm(), 1e-14);
+  }
+  ASSERT_TRUE(WriteTrajectory(wrote, files.Path("k.gz"), TrajectoryFormat::kKitti).ok());
+  const auto rate = ReadTrajectory(files.Path("k.gz"), {.rate_hz = 30.0});
+  ASSERT_TRUE(rate.ok()) << rate.status().message();
+  EXPECT_EQ((*rate)[0].stamp_ns, 0);
+  EXPECT_EQ((*rate)[1].stamp_ns, 33333333);
+  EXPECT_EQ((*rate)[3].stamp_ns, 100000000);
+  EXPECT_EQ(files.Count(), 3);
+  for (const auto format : {TrajectoryFormat::kTum, TrajectoryFormat::kEuroc}) {
+    ASSERT_TRUE(WriteTrajectory(wrote, files.Path("t"), format).ok());
+    EXPECT_EQ(FindTrajectoryFormat(files.Path("t")).value(), format);
+    ExpectSame(ReadTrajectory(files.Path("t")).value(), wrote);
+  }
+}
+
+TEST(KittiTrajectory, AsTheBenchmarkHasIt) {
+  const TempFiles files;
+  const std::string path =
+      files.Write("00.txt",
+                  "1.000000e+00 9.0e-12 2.3e-11 5.6e-17 9.0e-12 1.0e+00 2.4e-10 "
+                  "1.1e-16 2.3e-11 2.4e-10 1.0e+00 -2.2e-16\n"
+                  "0 0 1 0.5 0 1 0 -0.25 -1 0 0 2\n");
+  const std::string times = files.Write("times.txt", "0.000000e+00\n1.037359e-01\n");
+  const auto read = ReadKittiTrajectory(path, {.times = times});
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ((*read)[1].stamp_ns, 103735900);
+  EXPECT_EQ(Vector3((*read)[1].T_w_b.p()), Vector3(0.5, -0.25, 2.0));
+  // The body's z axis is the world's x axis.
+  EXPECT_LT(((*read)[1].T_w_b.R().col(2) - Vector3(1, 0, 0)).norm(), 1e-15);
+}
+
+TEST(KittiTrajectory, WhatIsWrongIsNamed) {
+  const TempFiles files;
+  const std::string good = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  const std::string path = files.Write("k", good + good);
+  EXPECT_NE(ReadTrajectory(path).status().message().find("no stamps: give a file of times or a "),
+            std::string::npos);
+  const std::string two = files.Write("two", "1\n2\n");
+  for (const KittiStamps& stamps :
+       {KittiStamps{}, KittiStamps{two, 1.0}, KittiStamps{"", -1.0}, KittiStamps{"", 2e9},
+        KittiStamps{"", std::nan("")}, KittiStamps{"", 1e-10}}) {
+    EXPECT_EQ(ReadKittiTrajectory(path, stamps).status().code(), StatusCode::kInvalidArgument);
+  }
+  const auto message = [&](const std::string& poses, const std::string& times) {
+    return ReadKittiTrajectory(files.Write("p", poses), {.times = files.Write("t", times)})
+        .status()
+        .message();
+  };
+  const std::string p = files.Path("p"), t = files.Path("t");
+  EXPECT_EQ(message(good, "1\n2\n"), p + ": has 1 poses, and " + t + " has 2 times");
+  EXPECT_EQ(message(good + good, "1\n"), p + ":2: more poses than times");
+  EXPECT_EQ(message(good + good, "1\n1\n"), t + ":2: time is not later than the one before");
+  EXPECT_EQ(message(good, "x\n"),
+            t + ":1: expected time (seconds, that fit int64 nanoseconds), found 'x'");
+  EXPECT_EQ(message("1 0 0 0 0 1 0 0 0 0 -1 0\n", "1\n"), p + ":1: the pose is no rigid motion");
+  EXPECT_EQ(message("2 0 0 0 0 2 0 0 0 0 2 0\n", "1\n"), p + ":1: the pose is no rigid motion");
+  EXPECT_EQ(message(good + "1 0 0 0 0 1 0 0 0 0 1\n", "1\n2\n").find(p + ":2: expected a pose"),
+            0u);
+  EXPECT_EQ(message(good + "1 0 0 0 0 1 0 nan 0 0 1 0\n", "1\n2\n").find(p + ":2: expected entry"),
+            0u);
+  Trajectory bad = RandomTrajectory(3);
+  bad[1].stamp_ns = bad[0].stamp_ns;
+  const int before = files.Count();
+  EXPECT_FALSE(WriteKittiTrajectory(bad, files.Path("x"), files.Path("y")).ok());
+  EXPECT_FALSE(
+      WriteKittiTrajectory(RandomTrajectory(2), files.Path("x"), files.Path("no/such")).ok());
+  EXPECT_EQ(files.Count(), before);
+}
+
 TEST(TrajectoryFiles, RecordedGroundTruthRoundTrips) {
   const auto path = test::DataDir() / "vio/euroc_v101_map/groundtruth.csv.gz";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";

@@ -146,30 +146,34 @@ TEST(Viotracks, RefusesBadTablesWithTheLine) {
   ExpectRefused("tracks.csv", std::string(200000, '1'), "not a table");
 }
 
-TEST(Viotracks, RefusesBadCalibrationsWithTheLine) {
+TEST(Viotracks, RefusesBadCalibrationsByName) {
   const auto spoiled = [](const char* from, const char* to, const char* says) {
     ExpectRefused("calibration.json", Replaced(kCalibration, from, to), says);
   };
-  spoiled("\"fx\": 400", "\"fx\": -400", ":6: 'fx' must be > 0");
-  spoiled("\"fx\": 400, ", "", "'fx'");
-  spoiled("\"fx\": 400", "\"fx\": \"400\"", "found string");
-  spoiled("\"fx\": 400", "\"fx\": 1e999", "number");
-  spoiled("\"fx\": 400", "\"fx\": nan", "a value");
-  spoiled("\"fx\": 400", "\"fx\": 400, \"fx\": 400", "only once");
-  spoiled("\"width\": 640", "\"width\": 640.5", "whole number");
-  spoiled("[0, 0, -9.81]", "[0, 0]", "3 numbers");
+  spoiled("\"fx\": 400", "\"fx\": -400", "json: /cameras/0/fx: must be > 0");
+  spoiled("\"fx\": 400, ", "", "/cameras/0/fx: expected number, found none");
+  spoiled("\"fx\": 400", "\"fx\": \"400\"", "/cameras/0/fx: expected number, found string");
+  spoiled("\"fx\": 400", "\"fx\": 1e999", "number overflow parsing '1e999'");
+  spoiled("\"fx\": 400", "\"fx\": nan", ":6: syntax error while parsing value - invalid literal");
+  spoiled("\"fx\": 400", "\"fx\": 400, \"fx\": 400", "expected 'fx' only once");
+  spoiled("\"width\": 640", "\"width\": 640.5", "/cameras/0/width: must be a whole number");
+  spoiled("[0, 0, -9.81]", "[0, 0]", "/gravity: must be 3 numbers");
   spoiled("0, -1, 0, 0.1", "0, 1, 0, 0.1", "rigid");  // a mirror
   spoiled("0, -1, 0, 0.1", "0, -1.1, 0, 0.1", "rigid");
   spoiled("0.3,  0, 0, 0, 1", "0.3,  0, 0, 0, 2", "rigid");
-  spoiled("\"imu\": {", "\"imu\": [", "',' or ']'");
-  spoiled("\"gyro_random_walk\": 1e-5", "\"gyro_random_walk\": 0", "> 0");
-  spoiled("\"cameras\": [", "\"cameras\": 3, \"x\": [", "found number");
-  ExpectRefused("calibration.json", "", ":1: expected a value");
-  ExpectRefused("calibration.json", "[1, 2]", "object");
-  ExpectRefused("calibration.json", "{} x", "end of the file");
-  ExpectRefused("calibration.json", "{\"a\": \"", "end of a string");
-  ExpectRefused("calibration.json", "{\"a\": \"\\u12\"}", "escape");
-  ExpectRefused("calibration.json", "{\"a\": tru}", "a value");
+  spoiled("\"imu\": {", "\"imu\": [", "unexpected ':'");
+  spoiled("\"gyro_random_walk\": 1e-5", "\"gyro_random_walk\": 0",
+          "/imu/gyro_random_walk: must be > 0");
+  spoiled("\"cameras\": [", "\"cameras\": 3, \"x\": [", "/cameras: expected array, found number");
+  ExpectRefused("calibration.json", "", ":1: syntax error while parsing value - unexpected end");
+  ExpectRefused("calibration.json", "[1, 2]", "json: expected object, found array");
+  ExpectRefused("calibration.json", "{} x", ":1: syntax error");
+  ExpectRefused("calibration.json", "{\n\"a\": \"", ":2: syntax error");
+  ExpectRefused("calibration.json", "{\"a\": \"\n\"}", ":1: syntax error");
+  ExpectRefused("calibration.json", "{\"a\": \"\\u12\"}", "must be followed by 4 hex digits");
+  ExpectRefused("calibration.json", "{\"a\": \"\xff\"}", "ill-formed UTF-8");
+  ExpectRefused("calibration.json", "{\"a\": tru}", "invalid literal");
+  ExpectRefused("calibration.json", "{\"origin\": 3}", "/origin: expected string, found number");
   ExpectRefused("calibration.json", std::string(100000, '['), "64 levels");
   ExpectRefused("calibration.json", std::string(300000, ' '), "256 kB");
 }
