@@ -20,7 +20,10 @@ doxygen scripts/site/Doxyfile >"$site/doxygen.log" 2>&1 || { cat "$site/doxygen.
 if grep -E 'warning|error' "$site/doxygen.log" | grep -v 'class std::hash'; then die "Doxygen's warnings are errors"; fi
 
 build/site-venv/bin/python scripts/site/collect_pages.py "$site/source" --python python/glissade --programs "$programs"
+rm -rf "$site/html" "$site/doctrees"
 build/site-venv/bin/sphinx-build -q -W --keep-going -j "$jobs" -c scripts/site -d "$site/doctrees" -D doxygen_xml="$site/doxygen" \
   -D python_package=python/glissade "$site/source" "$site/html"
+printf '<!doctype html><meta charset="utf-8"><title>glissade</title><meta http-equiv="refresh" content="0; url=docs/index.html">\n' \
+  >"$site/html/index.html"
 build/site-venv/bin/python scripts/check_links.py "$site/html"
 say "the site is in $site/html, its first page is $site/html/index.html"

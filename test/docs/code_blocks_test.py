@@ -11,6 +11,7 @@ function. A block without is the body of a function, in which some names are kno
 on the line before the block says what it is where this is not so:
 
     <!-- code: file -->                           declarations at file scope
+    <!-- code: body -->                           the body of a function, with #includes before it
     <!-- code: with Pose T_w_b0; double focal; -->   a function's body, with these names besides
     <!-- code: not compiled: why -->
 
@@ -48,7 +49,7 @@ def body_of(block):
     if says == "file" or head and not says:
         return head, marked
     extra = says.removeprefix("with ") if says.startswith("with ") else ""
-    if says and not extra:
+    if says not in ("", "body") and not extra:
         raise ValueError(f"{block.where}: what is 'code: {says}'?")
     known = CONTEXT if not head else ""
     return head, f"void Snippet({extra.rstrip('; ').replace(';', ',')}) {{{known}\n{marked}}}\n"

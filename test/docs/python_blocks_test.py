@@ -38,7 +38,7 @@ def python_pages():
     for page in markdown_blocks.pages():
         mine = [block for block in markdown_blocks.blocks(page)
                 if block.language == "python" and not block.says.startswith("code: not run:")
-                or block.says == "output: python"]
+                or block.says.startswith("output: python")]
         if any(block.language == "python" for block in mine):
             found[page] = mine
     return found
@@ -74,7 +74,8 @@ class PythonBlocks(unittest.TestCase):
                 finally:
                     os.chdir(here)
                 for block in blocks:
-                    if block.says == "output: python":
+                    if block.says.startswith("output: python") and is_here(block.says.split()[2:][0] if
+                                                                          block.says.split()[2:] else "glissade"):
                         self.assertEqual(markdown_blocks.missing_lines(block.code, printed.getvalue()), [],
                                          f"{block.where}; printed was\n{printed.getvalue()}")
         self.assertGreater(ran, 4)
