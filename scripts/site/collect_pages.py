@@ -13,6 +13,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 
 import python_reference
 
@@ -58,8 +59,8 @@ def source_pages(target):
                   f"---\norphan: true\n---\n# {path.relative_to(ROOT)}\n\n{links}")
 
 
-def toctree(names):
-    return "\n```{toctree}\n:hidden:\n:titlesonly:\n\n" + "\n".join(names) + "\n```\n" if names else ""
+def toctree(names, options=""):
+    return f"\n```{{toctree}}\n:hidden:\n:titlesonly:\n{options}\n" + "\n".join(names) + "\n```\n" if names else ""
 
 
 def cpp_pages(target):
@@ -104,19 +105,25 @@ def python_pages(target, package):
 
 
 def program_pages(target, folder):
-    """--help of each program as it stands."""
-    names = sorted(path.stem for path in (ROOT / "app").glob("*.cpp"))
-    there = [name for name in names if folder and (folder / name).is_file()]
-    text = "# Programs\n\nWhat each says with `--help`, as of this build.\n\n"
-    if not there:
-        text += "This build of the site found none of them (`--programs FOLDER`): build the programs first.\n"
-    for name in there:
-        said = subprocess.run([folder / name, "--help"], capture_output=True, text=True, check=True).stdout.rstrip()
-        write(target / f"{name}.md", f"# {name}\n\n```text\n{said}\n```\n")
-        about = next(line.strip() for line in said.splitlines() if line.strip())
-        text += f"- [{name}]({name}.md): {about}\n"
-    write(target / "index.md", text + toctree(there))
-    return there
+    """Of what each says with --help, by the script that makes the manual pages of it."""
+    names = [path.stem for path in (ROOT / "app").glob("*.cpp") if folder and (folder / path.stem).is_file()]
+    if not names:
+        write(target / "index.md", "# Programs\n\nThis build of the site found none of the programs, whose help stands "
+              "here: build them first, or name their folder.\n")
+        return []
+    subprocess.run([sys.executable, ROOT / "scripts/make_man.py", "--markdown", target, folder], check=True)
+    made = sorted(path.stem for path in target.glob("*.md") if path.stem != "index")
+    with open(target / "index.md", "a", encoding="utf-8") as index:
+        index.write(toctree(made))
+    return made
+
+
+def order_of_pages(source):
+    """contents.md, and at the end what it does not name."""
+    text = (pathlib.Path(__file__).parent / "contents.md").read_text(encoding="utf-8")
+    pages = [str(path.relative_to(source / "docs").with_suffix("")) for path in sorted((source / "docs").rglob("*.md"))]
+    more = [page for page in pages if page != "index" and not re.search(rf"^{page}$", text, re.MULTILINE)]
+    return text + toctree(more, ":caption: More\n")
 
 
 def main():
@@ -135,7 +142,7 @@ def main():
         shutil.copy2(path, link)
     shutil.copytree(ROOT / "docs/images", source / "docs/images")
     with open(source / "docs/index.md", "a", encoding="utf-8") as index:
-        index.write((pathlib.Path(__file__).parent / "contents.md").read_text(encoding="utf-8"))
+        index.write(order_of_pages(source))
     source_pages(source)
     cpp = cpp_pages(source / "reference/cpp")
     python = python_pages(source / "reference/python", arguments.python)

@@ -12,7 +12,7 @@ import doxygen_xml
 
 # What is code in a comment: Foo::Bar, kName, call(), snake_case, CamelCase, module/header.h.
 CODE = re.compile(r"(?<![\w.])((?:[A-Za-z_]\w*::)+~?[A-Za-z_]\w*(?:\(\))?|k[A-Z]\w+|[A-Za-z_]\w*\(\)|[a-z]+/[a-z_/]+\.h|"
-                  r"[A-Za-z]\w*_\w+|(?:[A-Z][a-z0-9]+){2,}[A-Z]*)(?!\w)")
+                  r"(?:[a-z]\w*\.)?[A-Za-z]\w*_\w+|(?:[A-Z][a-z0-9]+){2,}[A-Z]*)(?!\w)")
 
 
 def text_nodes(text):
@@ -97,6 +97,10 @@ def partition_at_word(line, word):
     return (line[:found.start()], word, line[found.end():]) if found else (line, "", "")
 
 
+def header_anchor(header):
+    return "header-" + re.sub(r"\W+", "-", header)
+
+
 class CppModule(Directive):
     required_arguments = 1
 
@@ -106,7 +110,7 @@ class CppModule(Directive):
         for header, entities in doxygen_xml.headers(config.doxygen_xml).items():
             if header.split("/")[1].removesuffix(".h") != module:
                 continue
-            section = nodes.section(ids=["header-" + re.sub(r"\W+", "-", header)])
+            section = nodes.section(ids=[header_anchor(header)])
             include = f"#include <{header}>"
             section += [nodes.title("", header.removeprefix("glissade/")),
                         nodes.literal_block(include, include, language="cpp"),

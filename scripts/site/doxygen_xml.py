@@ -100,9 +100,9 @@ def is_shown(member):
         return False
     if name.startswith(("GLISSADE_INTERNAL", "@")) or "static_assert" in name:
         return False
-    special = name.startswith(("~", "operator="))
-    default = re.search(r"=\s*(default|delete)$", text_of(member.find("argsstring")))
-    return documented or not (special or default)
+    # Constructors, destructors and assignments that say nothing are what one expects.
+    return documented or not (name.startswith(("~", "operator=")) or
+                              member.get("kind") == "function" and not text_of(member.find("type")))
 
 
 def members_of(compound):
@@ -113,7 +113,7 @@ def members_of(compound):
 def compound_entity(compound, kind):
     location = compound.find("location")
     name = without_namespace(text_of(compound.find("compoundname")))
-    bases = [f"{base.get('prot')} {as_written(text_of(base))}" for base in compound.findall("basecompoundref")
+    bases = [f"{base.get('prot')} {without_namespace(text_of(base))}" for base in compound.findall("basecompoundref")
              if "internal" not in text_of(base)]
     if kind == "concept":
         signature = as_written("".join(compound.find("initializer").itertext())).replace("glissade::", "")

@@ -10,6 +10,7 @@ import re
 from docutils import nodes
 from sphinx.transforms.post_transforms import SphinxPostTransform
 
+import cpp_reference
 import doxygen_xml
 import python_reference
 
@@ -32,6 +33,7 @@ def index_of(app):
     places, short = {}, collections.defaultdict(set)
     for header, entities in doxygen_xml.headers(app.config.doxygen_xml).items():
         page = f"reference/cpp/{header.split('/')[1].removesuffix('.h')}"
+        places[header] = places[header.removeprefix("glissade/")] = (page, cpp_reference.header_anchor(header))
         for entity in walk(entities):
             places.setdefault(entity.name, (page, entity.anchor))
             if "::" in entity.name:
@@ -57,7 +59,7 @@ class SymbolLinks(SphinxPostTransform):
             if isinstance(literal.parent, (nodes.reference, nodes.title)) or not isinstance(literal.parent, nodes.Element):
                 continue
             found = NAME.match(literal.astext())
-            place = found and places.get(found.group(1))
+            place = places.get(literal.astext().removeprefix("include/")) or found and places.get(found.group(1))
             if not place:
                 continue
             page, anchor = place
