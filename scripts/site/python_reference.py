@@ -70,43 +70,57 @@ def entities_of(body, prefix=""):
                 found[name].description = found[name].description or entity.description
             else:
                 found[name] = entity
-        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and is_public(node.target.id):
-            value = f" = {ast.unparse(node.value)}" if node.value is not None and len(ast.unparse(node.value)) < 40 else ""
-            following = body[k + 1] if k + 1 < len(body) else None
-            text = following.value.value if isinstance(following, ast.Expr) and isinstance(
-                getattr(following, "value", None), ast.Constant) and isinstance(following.value.value, str) else ""
-            name = prefix + node.target.id
-            found[name] = Entity("attribute", name, without_modules(
-                f"{node.target.id}: {ast.unparse(node.annotation)}{value}"), inspect.cleandoc(text), [])
+        elif prefix and isinstance(node, (ast.Assign, ast.AnnAssign)):  # values of an enum, attributes
+            target = node.targets[0] if isinstance(node, ast.Assign) else node.target
+            if not isinstance(target, ast.Name) or not is_public(target.id):
+                continue
+            kind = f": {ast.unparse(node.annotation)}" if isinstance(node, ast.AnnAssign) else ""
+            name = prefix + target.id
+            found[name] = Entity("attribute", name, without_modules(target.id + kind), text_after(body, k), [])
     return found
+
+
+def text_after(body, k):
+    """The string that stands after an attribute and describes it."""
+    value = getattr(body[k + 1], "value", None) if k + 1 < len(body) else None
+    return inspect.cleandoc(value.value) if isinstance(value, ast.Constant) and isinstance(value.value, str) else ""
+
+
+def imported_names(tree):
+    """{module: names} that a package takes from modules of its own, as in `from ._errors import Error`."""
+    return {node.module: {alias.name for alias in node.names} for node in tree.body
+            if isinstance(node, ast.ImportFrom) and node.level == 1 and node.module}
+
+
+FIRST = ["Problem", "VertexArray", "EdgeArray", "EdgeKind", "SolveOptions", "SolveSummary", "Error", "SlidingWindow",
+         "SlidingWindowOptions"]
 
 
 @functools.cache
 def modules(package):
-    """{module, "" for the package itself: (description, entities)}. A stub is taken before the source."""
+    """{module, "" for the package itself: (description, entities)}. A module whose name begins with "_" is the
+    package's, as far as that imports its names; a stub is taken before the source."""
     folder, found = pathlib.Path(package), {}
-    if not package or not folder.is_dir():
+    if not package or not (folder / "__init__.py").is_file():
         return found
-    for path in sorted([*folder.rglob("*.pyi"), *folder.rglob("*.py")], key=lambda p: p.suffix):
-        parts = list(path.relative_to(folder).with_suffix("").parts)
-        if parts[-1] == "__init__":
-            parts.pop()
-        name = ".".join(parts)
+    imported = imported_names(ast.parse((folder / "__init__.py").read_text(encoding="utf-8")))
+    for path in sorted([*folder.glob("*.pyi"), *folder.glob("*.py")], key=lambda p: (p.suffix == ".py", p.name)):
         tree = ast.parse(path.read_text(encoding="utf-8"))
-        text = inspect.cleandoc(ast.get_docstring(tree) or "")
-        # What is private by its module's name is public by that of the package: its __init__ imports it.
-        shown = ".".join(part for part in parts if not part.startswith("_"))
-        description, entities = found.get(shown, ("", {}))
-        fresh = entities_of(tree.body, shown + "." if shown else "")
-        if path.suffix == ".pyi" or not name.startswith("_"):
-            for key, entity in fresh.items():
-                known = entities.get(key)
-                if known is None:
-                    entities[key] = entity
-                elif not known.description:
-                    known.description = entity.description
-        found[shown] = (text if not parts or not description else description, entities)
-    return {name: (text, list(entities.values())) for name, (text, entities) in found.items() if entities}
+        private = path.stem.startswith("_")
+        wanted = imported.get(path.stem, set()) if path.stem != "__init__" else {"*"}
+        if private and not wanted:
+            continue
+        module = "" if private else path.stem
+        text, entities = found.get(module, ("", {}))
+        for name, entity in entities_of(tree.body, module + "." if module else "").items():
+            if not private or "*" in wanted or name in wanted:
+                known = entities.setdefault(name, entity)
+                known.description = known.description or entity.description
+        is_its_own = not private or path.stem == "__init__"
+        own = inspect.cleandoc(ast.get_docstring(tree) or "") if is_its_own else ""
+        found[module] = (own or text, entities)
+    return {module: (text, sorted(entities.values(), key=lambda e: FIRST.index(e.name) if e.name in FIRST else len(FIRST)))
+            for module, (text, entities) in found.items() if entities}
 
 
 def names(package):
@@ -125,9 +139,9 @@ def page_of(module):
 
 def paragraphs(text):
     """Blocks of a docstring: indented ones are code, lines that begin with - or * a list."""
-    for block in re.split(r"\n\s*\n", text.strip("\n")):
+    for block in re.split(r"\n\s*\n(?!    )", text.strip("\n")):
         lines = block.split("\n")
-        if all(line.startswith(("    ", ">>>")) for line in lines):
+        if all(line.startswith(("    ", ">>>")) or not line.strip() for line in lines):
             code = inspect.cleandoc(block)
             yield nodes.literal_block(code, code, language="python")
         elif re.match(r"\s*[-*] ", lines[0]):

@@ -8,8 +8,9 @@ is the body of one function, and prints what the page says that it prints.
 
     <!-- code: file -->        before a block: declarations at file scope
     <!-- code: with ... --> and <!-- code: not compiled: why --> are as in code_blocks_test.py
-    <!-- output -->            before a block: lines that the page's C++ prints, in this order
-    <!-- output: python -->    the same of its Python (python_blocks_test.py)
+    <!-- output -->            before a block: lines that the page's C++ prints, in this order; and so does
+                               its Python, where it has some (python_blocks_test.py)
+    <!-- output: cpp -->, <!-- output: python -->    lines that only one of them prints
 """
 
 import pathlib
@@ -76,7 +77,7 @@ class ProgramPages(unittest.TestCase):
                 self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
                 rest = done.stdout
                 for block in markdown_blocks.blocks(page):
-                    if block.says == "output":
+                    if block.says in ("output", "output: cpp"):
                         outputs += 1
                         self.assertTrue(block.code.strip(), f"{block.where} says nothing")
                         self.assertEqual(markdown_blocks.missing_lines(block.code, rest), [],

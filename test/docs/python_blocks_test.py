@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: 2026 The glissade authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the Python in README.md and docs/: the blocks of a page in order, in one namespace, in a folder of their
-own beside the repository's data/, without a display. What they print has the lines of the page's
-`<!-- output: python -->` blocks.
+own beside the repository's data/, without a display. They print the lines of the page's `<!-- output -->` blocks, as
+its C++ does, and of `<!-- output: python -->` blocks.
 
     python_blocks_test.py
 
@@ -38,7 +38,7 @@ def python_pages():
     for page in markdown_blocks.pages():
         mine = [block for block in markdown_blocks.blocks(page)
                 if block.language == "python" and not block.says.startswith("code: not run:")
-                or block.says.startswith("output: python")]
+                or block.says == "output" or block.says.startswith("output: python")]
         if any(block.language == "python" for block in mine):
             found[page] = mine
     return found
@@ -74,8 +74,7 @@ class PythonBlocks(unittest.TestCase):
                 finally:
                     os.chdir(here)
                 for block in blocks:
-                    if block.says.startswith("output: python") and is_here(block.says.split()[2:][0] if
-                                                                          block.says.split()[2:] else "glissade"):
+                    if block.says.startswith("output") and is_here((block.says.split()[2:] or ["glissade"])[0]):
                         self.assertEqual(markdown_blocks.missing_lines(block.code, printed.getvalue()), [],
                                          f"{block.where}; printed was\n{printed.getvalue()}")
         self.assertGreater(ran, 4)
