@@ -88,8 +88,11 @@ def text_after(body, k):
 
 def imported_names(tree):
     """{module: names} that a package takes from modules of its own, as in `from ._errors import Error`."""
-    return {node.module: {alias.name for alias in node.names} for node in tree.body
-            if isinstance(node, ast.ImportFrom) and node.level == 1 and node.module}
+    found = {}
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and node.level == 1 and node.module:
+            found.setdefault(node.module, set()).update(alias.name for alias in node.names)
+    return found
 
 
 FIRST = ["Problem", "VertexArray", "EdgeArray", "EdgeKind", "SolveOptions", "SolveSummary", "Error", "SlidingWindow",
@@ -139,7 +142,13 @@ def page_of(module):
 
 def paragraphs(text):
     """Blocks of a docstring: indented ones are code, lines that begin with - or * a list."""
-    for block in re.split(r"\n\s*\n(?!    )", text.strip("\n")):
+    blocks = []
+    for block in re.split(r"\n\s*\n", text.strip("\n")):
+        if blocks and block.startswith("    ") and blocks[-1].startswith("    "):
+            blocks[-1] += "\n\n" + block  # code with an empty line in it
+        else:
+            blocks.append(block)
+    for block in blocks:
         lines = block.split("\n")
         if all(line.startswith(("    ", ">>>")) or not line.strip() for line in lines):
             code = inspect.cleandoc(block)

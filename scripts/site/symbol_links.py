@@ -43,7 +43,9 @@ def index_of(app):
         if "." in name:
             short[name.rpartition(".")[2]].add(name)
     for name, owners in short.items():
-        meant = [owner for owner in owners if len(owners) == 1 or re.split(r"::|\.", owner)[0] in MEANT]
+        # In Python a member's name alone is mostly that of an argument.
+        meant = [owner for owner in owners if len(owners) == 1 and "." not in owner or
+                 re.split(r"::|\.", owner)[0] in MEANT]
         if len(meant) == 1 and name not in TOO_PLAIN:
             places.setdefault(name, places[meant[0]])
     return places
