@@ -34,6 +34,7 @@ html_static_path = [str(HERE / "static")]
 html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sphinx = False
+html_show_search_summary = False  # they are fetched, which a browser refuses for pages on a disk
 html_theme_options = {
     "light_css_variables": {"code-font-size": "0.78em", "color-brand-primary": "#0b5fa5", "color-brand-content": "#0b5fa5"},
     "dark_css_variables": {"color-brand-primary": "#6cb6ff", "color-brand-content": "#6cb6ff"},

@@ -46,6 +46,15 @@ class Site(unittest.TestCase):
             browser.close()
         self.assertGreater(equations, 50)
 
+    def test_the_search_finds_pages(self):
+        browser = browser_util.Browser(1200, 800)
+        try:
+            browser.call("Page.navigate", url=(SITE / "search.html").as_uri() + "?q=CheckNullspace")
+            browser.wait_for("document.querySelectorAll('#search-results li a').length > 3")
+            self.assertEqual(browser.complaints(), [])
+        finally:
+            browser.close()
+
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
