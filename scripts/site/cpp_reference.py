@@ -22,12 +22,17 @@ def text_nodes(text):
             yield nodes.literal(part, part) if k % 2 else nodes.Text(part)
 
 
+def unescaped(code):
+    """Without what Doxyfile's filter put before "<"."""
+    return re.sub(r"\\([<>&])", r"\1", code)
+
+
 def inline(element):
     """Children of a <para>, as inline and block nodes."""
     yield from text_nodes(element.text or "")
     for child in element:
         if child.tag == "computeroutput":
-            yield nodes.literal("", "".join(child.itertext()))
+            yield nodes.literal("", unescaped("".join(child.itertext())))
         elif child.tag in ("emphasis", "bold"):
             yield (nodes.emphasis if child.tag == "emphasis" else nodes.strong)("", "".join(child.itertext()))
         elif child.tag == "ref":
@@ -37,7 +42,7 @@ def inline(element):
         elif child.tag in ("mdash", "ndash", "nonbreakablespace", "zwj"):
             yield nodes.Text({"mdash": "---", "ndash": "--", "zwj": ""}.get(child.tag, " "))
         elif child.tag in ("verbatim", "preformatted"):
-            code = re.sub(r"\\([<>&])", r"\1", "".join(child.itertext())).strip("\n")
+            code = unescaped("".join(child.itertext())).strip("\n")
             yield nodes.literal_block(code, code, language="cpp" if re.search(r"[;{}]", code) else "none")
         elif child.tag in ("itemizedlist", "orderedlist"):
             items = nodes.bullet_list() if child.tag == "itemizedlist" else nodes.enumerated_list()

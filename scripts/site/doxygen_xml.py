@@ -116,9 +116,11 @@ def compound_entity(compound, kind):
     bases = [f"{base.get('prot')} {without_namespace(text_of(base))}" for base in compound.findall("basecompoundref")
              if "internal" not in text_of(base)]
     if kind == "concept":
-        signature = as_written("".join(compound.find("initializer").itertext())).replace("glissade::", "")
-        signature = re.sub(r"\s*\n\s*", "\n    ", signature)
-        signature = re.sub(r"^(template<.*>)\s+concept", r"\1\nconcept", signature)
+        # As it stands in the header, its lines indented anew.
+        signature = "".join(compound.find("initializer").itertext()).replace("glissade::", "").strip()
+        first, _, rest = signature.partition("concept ")
+        rest = re.sub(r"\s*\n\s*", "\n    ", re.sub(r" +", " ", rest))
+        signature = f"{as_written(first).replace('template<', 'template <')}\nconcept {rest}"
     else:
         signature = f"{template_of(compound)}{kind} {name.rpartition('::')[2] if '<' not in name else name}"
         signature += f" : {', '.join(bases)}" if bases else ""
