@@ -27,6 +27,7 @@ myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 5  # as a git forge makes them
 myst_dmath_double_inline = True
 highlight_language = "none"
+smartquotes = False  # they make dashes of "--option", and quotation marks of R'
 
 html_theme = "furo"
 html_title = "glissade"

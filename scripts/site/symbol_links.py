@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The glissade authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Names in `code` that the reference knows lead to it: `SolveOptions::max_iterations`, `SetFixed`,
-`Huber{1.0}`, `problem.add_poses()`. A name that several have leads nowhere, unless one of them is the
+`Huber{1.0}`, `problem.add_poses()`, `vio_replay --batch`. A name that several have leads nowhere, unless one of them is the
 one that people mean."""
 
 import collections
+import pathlib
 import re
 
 from docutils import nodes
@@ -28,9 +29,18 @@ def walk(entities):
         yield from walk(entity.members)
 
 
+def programs(app):
+    """{how one calls it: (page, "")}, of the programs' pages."""
+    for path in (pathlib.Path(app.srcdir) / "reference/programs").glob("*.md"):
+        text = path.read_text(encoding="utf-8")
+        for name in re.findall(r"^# (\S+(?: \S+)?)$|^The program `(\w+)` by another name", text, re.MULTILINE):
+            if path.stem != "index":
+                yield "".join(name), (f"reference/programs/{path.stem}", "")
+
+
 def index_of(app):
     """{what one writes: (page, anchor)}."""
-    places, short = {}, collections.defaultdict(set)
+    places, short = dict(programs(app)), collections.defaultdict(set)
     for header, entities in doxygen_xml.headers(app.config.doxygen_xml).items():
         page = f"reference/cpp/{header.split('/')[1].removesuffix('.h')}"
         places[header] = places[header.removeprefix("glissade/")] = (page, cpp_reference.header_anchor(header))
@@ -61,16 +71,28 @@ class SymbolLinks(SphinxPostTransform):
             if isinstance(literal.parent, (nodes.reference, nodes.title)) or not isinstance(literal.parent, nodes.Element):
                 continue
             found = NAME.match(literal.astext())
-            place = places.get(literal.astext().removeprefix("include/")) or found and places.get(found.group(1))
+            text = literal.astext().removeprefix("include/")
+            place = places.get(text) or found and places.get(found.group(1)) or called(text, places)
             if not place:
                 continue
             page, anchor = place
-            if page == self.env.docname and any(anchor in p["ids"] for p in ancestors_signatures(literal)):
+            own = page == self.env.docname
+            if own and (not anchor or any(anchor in p["ids"] for p in ancestors_signatures(literal))):
                 continue  # its own description
             uri = self.app.builder.get_relative_uri(self.env.docname, page) if page != self.env.docname else ""
-            link = nodes.reference("", "", internal=True, refuri=f"{uri}#{anchor}", classes=["symbol"])
+            link = nodes.reference("", "", internal=True, refuri=f"{uri}#{anchor}" if anchor else uri, classes=["symbol"])
             literal.replace_self(link)
             link += literal
+
+
+def called(text, places):
+    """The page of a program that is called with arguments."""
+    words = text.split()
+    for k in (2, 1):
+        place = places.get(" ".join(words[:k])) if len(words) > k else None
+        if place and not place[1]:
+            return place
+    return None
 
 
 def ancestors_signatures(node):
