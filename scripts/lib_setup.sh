@@ -32,13 +32,15 @@ packages_optional=(libceres-dev libmetis-dev python3-venv python3-dev
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-video-dev libyaml-cpp-dev)
 # Asked for apart: it is no package of Ubuntu, and one missing name is enough for apt to refuse all.
 packages_browser=(chromium)
+# Of the documentation site: what reads the headers, and what typesets equations.
+packages_site=(doxygen libjs-katex fonts-katex python3-venv)
 
 # Tools count as there wherever they come from; libraries are asked for by package.
 package_is_here() {
   case $1 in
     g++) command -v c++ || command -v g++ || command -v clang++ || [[ -n ${CXX:-} ]] ;;
     make) command -v make || command -v ninja ;;
-    cmake | python3 | git | clang-format | chromium) command -v "$1" ;;
+    cmake | python3 | git | clang-format | chromium | doxygen) command -v "$1" ;;
     binutils) command -v nm && command -v objdump ;;
     *) [[ $(dpkg-query -W -f='${Status}' "$1" 2>/dev/null) == "install ok installed" ]] ;;
   esac >/dev/null
@@ -157,6 +159,25 @@ need_plotly() {
     say "could not fetch plotly.js: going on without reports of runs"
   fi
   rm -rf "$work"
+}
+
+# need_site: Sphinx with what the documentation site is made by, in build/site-venv and nowhere else.
+need_site() {
+  local venv=build/site-venv log
+  local packages=(sphinx myst-parser furo sphinx-design sphinx-copybutton)
+  if "$venv/bin/python" -c 'import sphinx, myst_parser, furo, sphinx_design, sphinx_copybutton' \
+    2>/dev/null; then return 0; fi
+  if [[ -n ${GLISSADE_NO_INSTALL:-} ]]; then
+    die "GLISSADE_NO_INSTALL is set, and $venv lacks some of: ${packages[*]}"
+  fi
+  say "installing Sphinx in $venv"
+  log=$(mktemp)
+  if ! { python3 -m venv "$venv" && timeout 300 "$venv/bin/python" -m pip install -q --only-binary :all: \
+    --disable-pip-version-check "${packages[@]}"; } >"$log" 2>&1 </dev/null; then
+    tail -n 3 "$log" >&2
+    die "could not install ${packages[*]} in $venv (no network?)"
+  fi
+  rm -f "$log"
 }
 
 # configure PRESET [CMAKE ARGUMENT...]: prints only what a user should know.

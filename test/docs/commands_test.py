@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The glissade authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Commands that README.md, docs/*.md, data/README.md and the programs' own help show: their options
+"""Commands that README.md, docs/, data/README.md and the programs' own help show: their options
 exist, their files of data/ and scripts are there, and those that take a moment only are run.
 
     commands_test.py FOLDER_OF_THE_EXECUTABLES
@@ -48,7 +48,7 @@ def is_here(program):
 
 def documented():
     """(where, words) of every command."""
-    for path in (ROOT / "README.md", ROOT / "data/README.md", *sorted((ROOT / "docs").glob("*.md"))):
+    for path in (ROOT / "README.md", ROOT / "data/README.md", *sorted((ROOT / "docs").rglob("*.md"))):
         for words in commands(path.read_text(encoding="utf-8")):
             if is_here(words[0]):
                 yield str(path.relative_to(ROOT)), words

@@ -79,8 +79,8 @@ class Figures(unittest.TestCase):
         scripts = "".join(path.read_text(encoding="utf-8")
                           for path in (ROOT / "scripts").glob("*") if path.suffix in (".py", ".sh"))
         shown = set()
-        for path in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
-            for name in re.findall(r"\]\((?:docs/)?images/(\w+)\.png\)", path.read_text(encoding="utf-8")):
+        for path in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md")):
+            for name in re.findall(r"\]\((?:docs/|\.\./)?images/(\w+)\.png\)", path.read_text(encoding="utf-8")):
                 shown.add(name)
                 self.assertTrue((ROOT / "docs/images" / f"{name}.png").is_file(), name)
                 stem = re.sub(r"^gauge_study_real_.*", "gauge_study_real_", name)

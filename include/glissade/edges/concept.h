@@ -55,16 +55,16 @@
 /// out: it becomes the status kOutOfMemory.
 ///
 /// Optional members:
-///   static constexpr bool kIsObservation = true;  // two on the same vertices with
-///   bool SameSensor(const EdgeX& other) const;    //   SameSensor true are duplicates
-///   double Depth(const V&... vertices) const;     // of the observed point in the camera [m], for
-///                                                 //   DepthOf and GetOutlierEdges
-///   static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;  // see there
-///   static constexpr unsigned kNoFirstEstimate = 1u << 3;  // bit i: vertex i is always linearized
-///                                                          //   at its present value
-///   static constexpr auto kScaleRule = ScaleRule::kRays;   // see there
-///   static constexpr int kExtrinsicVertex = 3;    // this vertex is T_b_c of the camera,
-///   Pose T_b_c;                                   //   or the edge has it: camera in body
+///
+///     static constexpr bool kIsObservation = true;  // two on the same vertices with
+///     bool SameSensor(const EdgeX& other) const;    //   SameSensor true are duplicates
+///     double Depth(const V&... vertices) const;     // [m]; for DepthOf and GetOutlierEdges
+///     static constexpr auto kFirstEstimateRule = FirstEstimateRule::kRelativePose;  // see there
+///     static constexpr unsigned kNoFirstEstimate = 1u << 3;  // bit i: vertex i is always
+///                                                            //   linearized where it is
+///     static constexpr auto kScaleRule = ScaleRule::kRays;   // see there
+///     static constexpr int kExtrinsicVertex = 3;    // this vertex is T_b_c of the camera,
+///     Pose T_b_c;                                   //   or the edge has it: camera in body
 namespace glissade {
 
 struct Pose;
