@@ -19,7 +19,7 @@
 #include "glissade/problem/problem.h"
 #include "replay/consistency.h"
 #include "replay/report.h"
-#include "run/report_page.h"
+#include "page/report_page.h"
 
 namespace glissade::app {
 
