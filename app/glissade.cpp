@@ -30,7 +30,8 @@ constexpr const char* kExamples =
     R"(
 'glissade help COMMAND' or 'glissade COMMAND --help' says all about one; each is also a program of its
 own, named in brackets. In all of them --json FILE writes the figures, and after Ctrl-C what there is
-until then is written.
+until then is written. Besides there are make_data and sim_images, which simulate data, testMonoBA, the
+smallest example, and marginal_study.
 
 Examples:
   glissade solve problem-49-7776-pre.txt.gz --loss huber:2 --output solved.ply
