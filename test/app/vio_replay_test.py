@@ -272,6 +272,7 @@ class VioReplayTest(AppTest):
         self.check_refused(FLIGHT, "--mono", "--no-imu", says="scale")
         self.check_refused(FLIGHT, "--mono", "--fault", "camera-lost@1..2", says="camera-lost")
         self.check_refused(FLIGHT, "--output", "no/such/t.tum", says="--output")
+        self.check_refused(FLIGHT, "--out", "no/such/t.tum", says="--output")  # its former name
         for fault in ("", "imu-gap", "imu-gap@1", "imu-gap@2..1", "imu-gap@1..1", "imu-gap@x..1",
                       "imu-gap@-1..1", "imu-gap@0..inf", "flood@1..2", "@1..2", "imu-gap..1@2"):
             self.check_refused(FLIGHT, "--fault", fault, says="--fault")
