@@ -96,7 +96,7 @@ void AddOptions(app::Program& program, Options& o) {
   program.AddOutputPath(
       "--output", &o.output.path,
       "Write the solution to FILE: .txt, .gz, .bz2, .bbal, .ply, .g2o, or a folder");
-  program.AddOutput("--json", &o.json, "Write the figures of the solve to FILE");
+  program.AddJson(&o.json);
   cli.add_flag("--compare-ceres", o.compare_ceres, "Solve with Ceres too, under the same limits");
 }
 
@@ -126,7 +126,7 @@ nlohmann::ordered_json ToJson(const app::ProblemSize& size, const SolveSummary& 
                {"final_cost", summary.final_cost},
                {"iterations", summary.accepted_steps + summary.rejected_steps},
                {"status", ToString(summary.termination)},
-               {"time_s", summary.time.total_s},
+               {"time_ms", 1e3 * summary.time.total_s},
                {"peak_rss_mb", peak_rss_mb},
                {"method", o.solver.method},
                {"linear_solver", o.solver.linear_solver},
@@ -138,12 +138,9 @@ nlohmann::ordered_json ToJson(const app::ProblemSize& size, const SolveSummary& 
 }
 
 nlohmann::ordered_json ToJson(const app::CeresResult& ceres) {
-  return {{"initial_cost", ceres.initial_cost},
-          {"final_cost", ceres.final_cost},
-          {"iterations", ceres.iterations},
-          {"status", ceres.status},
-          {"time_s", ceres.time_s},
-          {"linear_solver", ceres.linear_solver}};
+  return {{"initial_cost", ceres.initial_cost}, {"final_cost", ceres.final_cost},
+          {"iterations", ceres.iterations},     {"status", ceres.status},
+          {"time_ms", 1e3 * ceres.time_s},      {"linear_solver", ceres.linear_solver}};
 }
 
 app::Outcome Run(const Options& o) {

@@ -36,8 +36,8 @@ paper, a relative decrease of the cost under 1e-6; the first five trials are als
 converge, and compared to the fixed gauge's result: cost, and largest difference of position,
 rotation, velocity.
 
-Trials run two at a time, each on one thread; --threads 1 if times matter. The same seed gives the
-same numbers, times apart, for any number of threads. docs/gauge_study.md has all parameters of the
+Trials run two at a time, each on one thread; --jobs 1 if times matter. The same seed gives the
+same numbers, times apart, for any number of jobs. docs/gauge_study.md has all parameters of the
 worlds.
 
 Examples:
@@ -91,23 +91,23 @@ void AddOptions(app::Program& program, Options& o) {
   std::vector<std::string> names;
   for (const Configuration& c : kConfigurations)
     names.push_back(NameOf(c, '-'));
-  app::AddInteger(cli, "--trials", &o.study.trials, 1, 100000,
-                  "Measurements and starts per configuration (default 50)");
-  app::AddSeed(cli, &o.study.seed, "Seed of worlds, noise and starts (default 1)");
-  app::AddInteger(cli, "--threads", &o.study.num_threads, 1, 1024,
-                  "Trials side by side (default 2)");
+  app::AddInteger(
+      cli, "--trials", &o.study.trials, 1, 100000,
+      "Repetitions of everything random: measurements and starts per configuration (default 50)");
+  app::AddSeed(cli, &o.study.seed, "worlds, noise and starts");
+  app::AddInteger(cli, "--jobs", &o.study.num_threads, 1, 1024, "Trials side by side (default 2)");
   app::AddLinearSolver(cli, &o.solver);
   app::AddChoice(cli, "--sweep", &o.sweep, names,
                  "Configuration of the weight sweep, the paths and the covariance (default "
                  "sine-plane)");
-  cli.add_option("--vio", o.vio, "A recording (VIOTRACKS folder); may be given several times")
+  cli.add_option("--vio", o.vio, "A recording (VIOTRACKS folder); may be repeated")
       ->type_name("DIR");
   app::AddNumber(cli, "--vio-start", &o.segment.start_s, 0.0, 1e9,
                  "Where its segment begins (s, default 40)");
   app::AddInteger(cli, "--vio-keyframes", &o.segment.num_keyframes, 2, 1000,
                   "Keyframes of the segment (default 30)");
-  program.AddOutput("--csv", &o.csv, "Write one line per method and trial to FILE");
-  program.AddOutput("--json", &o.json, "Write everything to FILE");
+  program.AddOutput("--csv", &o.csv, "Write one line per trial (CSV) to FILE");
+  program.AddJson(&o.json);
 }
 
 /// Reads all recordings before anything is computed.

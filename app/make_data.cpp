@@ -64,13 +64,13 @@ struct Options {
 
 void AddOptions(app::Program& program, Options& o) {
   CLI::App& cli = program.cli();
-  cli.add_option("KIND", o.kind, "windows, recording, odometry, bal or city")
-      ->required()
-      ->check(CLI::IsMember({"windows", "recording", "odometry", "bal", "city"}));
+  app::AddChoice(cli, "KIND", &o.kind, {"windows", "recording", "odometry", "bal", "city"},
+                 "What is made")
+      ->required();
   cli.add_option("OUTPUT", o.output,
                  "File (.txt, .txt.gz, .txt.bz2; bal, city: .bbal), or folder of a recording")
       ->required();
-  app::AddSeed(cli, &o.seed, "Seed of everything; windows take this one and the next (default 1)");
+  app::AddSeed(cli, &o.seed, "everything; windows take this one and the next");
   app::AddInteger(cli, "--windows", &o.windows, 1, 10000, "Windows in the file (default 4)");
   app::AddInteger(cli, "--keyframes", &o.window.num_keyframes, 2, 1000,
                   "Keyframes of a window (default 10)");
@@ -79,11 +79,11 @@ void AddOptions(app::Program& program, Options& o) {
   app::AddInteger(cli, "--hosted-by-first", &o.window.hosted_by_first, 0, 100000,
                   "At least N landmarks are hosted by the first keyframe (default 0)");
   app::AddNumber(cli, "--length", &o.recording.world.length_m, 1.0, 1e4,
-                 "Length of the recorded flight (m; default 15)");
+                 "Length of a simulated flight, one lap (m; default 15)");
   app::AddInteger(cli, "--cameras", &o.cameras, 3, 20000,
                   "Cameras of a bundle adjustment (default 16, of a city 200)");
   app::AddInteger(cli, "--points", &o.bal.num_points, 1, 10000000,
-                  "Points of a bundle adjustment (default 300)");
+                  "Points to be seen, of a bundle adjustment (default 300)");
   app::AddNumber(cli, "--outliers", &o.city.outlier_share, 0.0, 0.5,
                  "Part of a city's observations that are anywhere in the image (default 0)");
 }

@@ -159,8 +159,8 @@ and after, and the first run keyframe by keyframe.
 
 Examples:
   marginal_study
-  marginal_study --runs 20 --pixel-noise 0.5
-  marginal_study --frames 200 --window 10 --json study.json
+  marginal_study --trials 20 --pixel-noise 0.5
+  marginal_study --flight 200 --keyframes 10 --json study.json
   scripts/plot_marginalization.py study.json docs/images   draws it
 
 After Ctrl-C the keyframes until then are shown and written.
@@ -169,19 +169,20 @@ Exit code: 0; 130 after Ctrl-C; 2 where an option makes no sense; 1 where a solv
 
 void AddOptions(Program& program, Settings& s) {
   CLI::App& cli = program.cli();
-  AddInteger(cli, "--frames", &s.frames, 4, 2000, "Keyframes of the flight (default 60)");
-  AddInteger(cli, "--window", &s.window, 3, 50, "Keyframes of the window (default 7)");
-  AddInteger(cli, "--points", &s.points, 10, 20000, "Points of the world (default 240)");
+  AddInteger(cli, "--flight", &s.frames, 4, 2000, "Keyframes of the flight (default 60)");
+  AddInteger(cli, "--keyframes", &s.window, 3, 50, "Keyframes of a window (default 7)");
+  AddInteger(cli, "--points", &s.points, 10, 20000, "Points to be seen (default 240)");
   AddNumber(cli, "--pixel-noise", &s.pixel_noise, 0.01, 20.0,
             "Sigma of an observation (px; default 1)");
-  AddSeed(cli, &s.seed, "Seed of world and noise (default 1)");
-  AddInteger(cli, "--runs", &s.runs, 1, 1000,
-             "Flights, with this seed and those after it (default 1)");
+  AddSeed(cli, &s.seed, "world and noise");
+  AddInteger(
+      cli, "--trials", &s.runs, 1, 1000,
+      "Repetitions of everything random: flights, with this seed and those after it (default 1)");
   AddMethod(cli, &s.solver);
   AddLinearSolver(cli, &s.solver);
   AddIterations(cli, &s.solver);
   AddThreads(cli, &s.solver);
-  program.AddOutput("--json", &s.json, "Write everything, with the matrices, to FILE");
+  program.AddJson(&s.json);
 }
 
 Result<sim::ViProblem> Measure(const Settings& settings, std::uint32_t seed) {
@@ -201,8 +202,8 @@ Result<sim::ViProblem> Measure(const Settings& settings, std::uint32_t seed) {
 
 Outcome Run(const Settings& settings) {
   if (settings.frames <= settings.window) {
-    return BadInput(fmt::format("--frames: must be more than --window, {}, not {}", settings.window,
-                                settings.frames));
+    return BadInput(fmt::format("--flight: must be more than --keyframes, {}, not {}",
+                                settings.window, settings.frames));
   }
   const auto first = Measure(settings, settings.seed);
   if (!first.ok()) return Failed(first.status());

@@ -46,9 +46,10 @@ Its errors are what remains after the similarity transformation that takes the t
 centres closest to the truth. That explains 7 of their 9 numbers: compare it with itself only.
 
 The errors of a solve that has converged tend to those of fixed poses as 1 / weight. The course's
-code stops before (--course-stop): its damping starts at 1e-5 max diag(H), which a heavy prior
-raises, and it ends at the first small step. With poses that start at the truth this looks like
-errors that fall with the weight to nothing: they are the start, not a solution.
+code stops before (--course-stop, which takes its method, too): its damping starts at 1e-5 max
+diag(H), which a heavy prior raises, and it ends at the first small step. With poses that start at
+the truth this looks like errors that fall with the weight to nothing: they are the start, not a
+solution.
 
 Examples:
   prior_weight_sweep
@@ -85,19 +86,19 @@ void AddOptions(app::Program& program, Options& o) {
   app::AddNumber(cli, "--pose-noise", &o.sweep.pose_noise, 0.0, 1e3,
                  "Sigma of a Gaussian on every axis of every start pose (m and rad; default 0)");
   app::AddInteger(cli, "--trials", &o.sweep.trials, 1, 100000,
-                  "Start poses per weight (default 1)");
-  app::AddSeed(cli, &o.sweep.seed, "Seed of the pose noise (default 1)");
+                  "Repetitions of everything random: start poses per weight (default 1)");
+  app::AddSeed(cli, &o.sweep.seed, "the pose noise");
   app::AddMethod(cli, &o.solver, true);
   cli.add_flag("--course-stop", o.solver.solve.course_stop,
-               "The course's Levenberg-Marquardt and its stopping rule, |dx|^2 <= 1e-6");
+               "Stop where the course's code does: before a step with |dx|^2 <= 1e-6");
   app::AddLinearSolver(cli, &o.solver);
   app::AddIterations(cli, &o.solver);
   app::AddThreads(cli, &o.solver);
-  cli.add_option("--scene", o.scene, "Use the scene of FILE, not the built-in one")
+  cli.add_option("--scene", o.scene, "Solve the scene of FILE, not the built-in one")
       ->type_name("FILE");
-  cli.add_flag("--verbose", o.verbose, "Print prior and reprojection error of every step, too");
-  program.AddOutput("--csv", &o.csv, "Write one line per weight and trial to FILE");
-  program.AddOutput("--json", &o.json, "Write everything, with the iterations, to FILE");
+  cli.add_flag("--verbose", o.verbose, "Print every step, too");
+  program.AddOutput("--csv", &o.csv, "Write one line per trial (CSV) to FILE");
+  program.AddJson(&o.json);
 }
 
 /// The trials of a row in one line.
@@ -185,7 +186,7 @@ nlohmann::ordered_json ToJson(const app::SweepRow& row) {
       {"point_error_per_m", sum.point_error},
       {"iterations", sum.iterations},
       {"time_ms", sum.time_ms},
-      {"converged", sum.converged}};
+      {"converged_trials", sum.converged}};
   json["trials"] = nlohmann::json::array();
   for (const app::SweepTrial& trial : row.trials) {
     nlohmann::ordered_json t = {
@@ -209,7 +210,7 @@ nlohmann::ordered_json ToJson(const app::SweepRow& row) {
 nlohmann::ordered_json ToJson(const std::vector<app::SweepRow>& rows, const Options& o) {
   nlohmann::ordered_json json = app::JsonHeader(kName, o.scene);
   json.update({{"pose_noise_m_rad", o.sweep.pose_noise},
-               {"num_trials", o.sweep.trials},
+               {"trials", o.sweep.trials},
                {"seed", o.sweep.seed},
                {"method", o.solver.method},
                {"linear_solver", o.solver.linear_solver},

@@ -51,13 +51,13 @@ Models of --lens: own (as recorded; a VIOTRACKS or simulated camera has no disto
 (EuRoC's), equidistant (TUM-VI's; with a short --focal, wide). The default is radtan for VIOTRACKS
 and simulated flights, own for recordings of images.
 
-The same options and the same data give the same images. --tracks writes what a perfect tracker
+The same options and the same data give the same images. --save-tracks writes what a perfect tracker
 would have made of them, with noise and losses as told, to hold a real one against.
 
 Examples:
   sim_images room --along data/flight                 stereo, 20 Hz, as large as recorded
   sim_images room --along data/flight --seconds 5 --noise 4 --exposure 10 --auto-exposure
-  sim_images room --spline rec --seconds 60 --mono --size 752x480 --tracks room_tracks
+  sim_images room --spline rec --seconds 60 --mono --size 752x480 --save-tracks room_tracks
   sim_images room --spline sine --lens equidistant --focal 190 --size 512x512
   sim_images room --along data/flight --texture wall.jpg --texture floor.jpg --texture-width 3
 
@@ -96,16 +96,18 @@ void ReadSize(const std::string& text, LensOptions* lens) {
 }
 
 void AddFlightOptions(CLI::App& cli, Settings& s) {
-  auto* along = cli.add_option("--along", s.along, "Fly as in this recording")->type_name("DIR");
+  auto* along = cli.add_option("--along", s.along, "Fly as in the recording DIR")->type_name("DIR");
   AddChoice(cli, "--spline", &s.spline, {"sine", "arc", "rec"},
-            "Fly a simulated way: sine, arc, or rec, around a rectangle")
+            "Fly a simulated way: rec goes around a rectangle")
       ->excludes(along);
-  AddNumber(cli, "--length", &s.flight.lap_m, 1.0, 1e4, "Of --spline, one lap (m; default 15)");
-  AddNumber(cli, "--speed", &s.flight.speed_mps, 0.05, 20.0, "Of --spline (m/s; default 1.25)");
+  AddNumber(cli, "--length", &s.flight.lap_m, 1.0, 1e4,
+            "Length of a simulated flight, one lap (m; default 15)");
+  AddNumber(cli, "--speed", &s.flight.speed_mps, 0.05, 20.0,
+            "Speed of a simulated flight (m/s; default 1.25)");
   AddNumber(cli, "--start", &s.plan.start_s, 0.0, 1e5,
-            "Begin so long after the truth does (s; default 0)");
+            "Begin so long after the recording does (s; default 0)");
   AddNumber(cli, "--seconds", &s.plan.seconds, 0.01, 1e5,
-            "Length (s; default: to the end of the truth; of --spline, one lap)");
+            "End so long after that (s; default: all)");
   AddNumber(cli, "--rate", &s.plan.rate_hz, 0.1, 1000.0, "Frames a second (Hz; default 20)");
   cli.add_flag("--mono", s.plan.mono, "The first camera only");
 }
@@ -116,8 +118,7 @@ void AddCameraOptions(CLI::App& cli, Settings& s) {
          "Of the images, the same width of view (px; default: as recorded)")
       ->type_name("WxH");
   AddNumber(cli, "--focal", &s.lens.focal_px, 1.0, 1e5, "Focal length (px; default: as recorded)");
-  AddChoice(cli, "--lens", &s.lens_model, LensModels(),
-            "own, none, radtan or equidistant (default: see below)");
+  AddChoice(cli, "--lens", &s.lens_model, LensModels(), "Model of the lenses (default: see below)");
   AddNumber(cli, "--noise", &s.render.photometry.noise, 0.0, 100.0,
             "Sigma of a pixel (grey values; default 2)");
   AddNumber(cli, "--exposure", &s.render.exposure_ms, 0.0, 1000.0,
@@ -130,8 +131,8 @@ void AddCameraOptions(CLI::App& cli, Settings& s) {
                "Brightness in steps, towards a mean of 100");
   AddNumber(cli, "--vignette", &s.render.photometry.vignette, 0.0, 1.0,
             "Part of the light that is lost in the corners (default 0.25)");
-  AddChoice(cli, "--format", &s.plan.ending, {"png", "jpg"}, "png (default) or jpg");
-  AddInteger(cli, "--jpeg-quality", &s.render.jpeg_quality, 1, 100, "Default 95");
+  AddChoice(cli, "--format", &s.plan.ending, {"png", "jpg"}, "Of the image files (default png)");
+  AddInteger(cli, "--jpeg-quality", &s.render.jpeg_quality, 1, 100, "Of --format jpg (default 95)");
 }
 
 void AddOptions(Program& program, Settings& s) {
@@ -141,7 +142,8 @@ void AddOptions(Program& program, Settings& s) {
   AddCameraOptions(cli, s);
   AddNumber(cli, "--walls", &s.scene.wall_m, 0.3, 1000.0,
             "Distance of the walls from the way (m; default 3)");
-  AddNumber(cli, "--floor", &s.scene.floor_m, 0.3, 1000.0, "Of floor and ceiling (m; default 1.5)");
+  AddNumber(cli, "--floor", &s.scene.floor_m, 0.3, 1000.0,
+            "Distance of floor and ceiling from the way (m; default 1.5)");
   AddInteger(cli, "--boxes", &s.scene.boxes, 0, 1000,
              "Boxes and pillars, where they find a place (default: one for 12 m^2, at least 6)");
   cli.add_option("--texture", s.textures,
@@ -150,13 +152,14 @@ void AddOptions(Program& program, Settings& s) {
       ->allow_extra_args(false);
   AddNumber(cli, "--texture-width", &s.texture_width_m, 0.1, 1000.0,
             "Width of such a picture (m; default 4)");
-  AddSeed(cli, &s.seed, "Of the room, the noise, a simulated flight (default 1)");
-  program.AddOutputPath("--tracks", &s.tracks,
-                        "Write perfect tracks (VIOTRACKS) to PATH, a folder");
-  AddNumber(cli, "--track-noise", &s.ideal.noise_px, 0.0, 100.0, "Their sigma (px; default 0.5)");
+  AddSeed(cli, &s.seed, "the room, the noise, a simulated flight");
+  program.AddOutputPath("--save-tracks", &s.tracks,
+                        "Write the tracks (VIOTRACKS) to PATH, a folder: perfect ones");
+  AddNumber(cli, "--track-noise", &s.ideal.noise_px, 0.0, 100.0,
+            "Sigma of such a track (px; default 0.5)");
   AddNumber(cli, "--track-age", &s.ideal.age_frames, 1.0, 1e6,
-            "Frames after which one is lost on the average (default 30)");
-  program.AddOutput("--json", &s.json, "Write the figures, the room and its boxes to FILE");
+            "Frames after which such a track is lost on the average (default 30)");
+  program.AddJson(&s.json);
 }
 
 Result<FlightSource> SourceOf(Settings& s) {

@@ -74,8 +74,8 @@ void AddOptions(app::Program& program, Options& o) {
   app::AddThreads(cli, &o.solver);
   cli.add_option("--scene", o.scene, "Solve the scene of FILE, not the built-in one")
       ->type_name("FILE");
-  cli.add_flag("--verbose", o.verbose, "Print the table of all steps, rejected ones too");
-  program.AddOutput("--json", &o.json, "Write the result to FILE");
+  cli.add_flag("--verbose", o.verbose, "Print every step, too");
+  program.AddJson(&o.json);
 }
 
 template <class M>

@@ -20,6 +20,8 @@
 #include "glissade/eval/relative_error.h"
 #include "glissade/io/trajectory.h"
 #include "glissade/io/viotracks.h"
+#include "page/report_page.h"
+#include "page/trajectory_page.h"
 
 namespace {
 
@@ -50,8 +52,8 @@ the name EuRoC's (.csv) or KITTI's (.kitti), else TUM's; --format says it otherw
 Examples:
   traj_eval data/flight_odometry.txt.gz data/flight
   traj_eval data/flight_odometry.txt.gz data/flight --align se3 --lengths 2,4,8
-  traj_eval estimate.txt truth.csv --align sim3 --json figures.json
-  traj_eval estimate.txt truth.txt --match nearest --tolerance 0.02
+  traj_eval estimate.txt truth.csv --align sim3 --json figures.json --report page.html
+  traj_eval estimate.txt truth.txt --match nearest --max-difference 0.02
   traj_eval estimate.txt truth.csv --vertical 0,-1,0     y of the reference's world is down
   traj_eval 00.txt poses/00.txt --times sequences/00/times.txt --vertical 0,-1,0
   traj_eval estimate.csv --output estimate.kitti --output-times times.txt
@@ -68,7 +70,7 @@ struct Options {
   std::vector<double> lengths_m;
   int every = 1;
   KittiStamps stamps;
-  std::string json, aligned, output, format, output_times;
+  std::string json, report, aligned, output, format, output_times;
 };
 
 void AddOptions(app::Program& program, Options& o) {
@@ -76,26 +78,28 @@ void AddOptions(app::Program& program, Options& o) {
   cli.add_option("ESTIMATE", o.estimate, "Trajectory file")->required();
   cli.add_option("REFERENCE", o.reference, "Trajectory file, or folder of a recording");
   app::AddChoice(cli, "--align", &o.align, {"yaw", "se3", "sim3", "none"},
-                 "Alignment: yaw (default), se3, sim3 or none");
+                 "What may be moved (default yaw); see below");
   app::AddNumbers(cli, "--vertical", &o.vertical, -1e3, 1e3,
                   "The vertical, X,Y,Z, in both worlds (default: against the recording's gravity, "
                   "else 0,0,1)");
   app::AddChoice(cli, "--match", &o.match, {"interpolate", "nearest"},
-                 "The reference at the estimate's stamps: interpolate (default) or nearest");
-  app::AddNumber(cli, "--tolerance", &o.tolerance_s, 0.0, 1e6,
-                 "Nearest: stamps differ by at most X s (default 0.01)");
+                 "The reference at the estimate's stamps (default interpolate)");
+  app::AddNumber(cli, "--max-difference", &o.tolerance_s, 0.0, 1e6,
+                 "Nearest: stamps differ by at most so much (s; default 0.01)");
   app::AddNumber(cli, "--max-gap", &o.max_gap_s, 0.0, 1e6,
-                 "Interpolate: not over more than X s (default 1)");
-  app::AddNumber(cli, "--offset", &o.offset_s, -9e9, 9e9,
-                 "X s are added to the estimate's stamps (default 0)");
+                 "Interpolate: not over more than that (s; default 1)");
+  app::AddNumber(cli, "--time-offset", &o.offset_s, -9e9, 9e9,
+                 "Added to the stamps of the estimate (s; default 0)");
   app::AddNumber(cli, "--interval", &o.interval_s, 1e-6, 1e6,
-                 "Relative errors over X s, within a tenth of it (default 1)");
-  app::AddNumbers(cli, "--lengths", &o.lengths_m, 1e-6, 1e9,
-                  "Relative errors over so many metres, increasing (default: 100,200,...,800 where "
-                  "the reference goes 200 m or more, else 5,10,20,40)");
+                 "Relative errors over that time, within a tenth of it (s; default 1)");
+  app::AddNumbers(
+      cli, "--lengths", &o.lengths_m, 1e-6, 1e9,
+      "Relative errors over these lengths, increasing (m; default: 100,200,...,800 where "
+      "the reference goes 200 m or more, else 5,10,20,40)");
   app::AddInteger(cli, "--every", &o.every, 1, 1000000,
                   "Relative errors from every N-th pose on (default 1)");
-  program.AddOutput("--json", &o.json, "Write the figures to FILE");
+  program.AddJson(&o.json);
+  program.AddOutput("--report", &o.report, "Write a page to look at (HTML) to FILE");
   program.AddOutputFile("--aligned", &o.aligned, "Write the aligned estimate to FILE (TUM)");
   CLI::Option* times = cli.add_option("--times", o.stamps.times,
                                       "Stamps of KITTI's files: a time in seconds per pose");
@@ -257,14 +261,14 @@ Json ToJson(const Figures& f, const Options& o) {
   const double* pose = f.alignment.T_r_e.data;
   json["reference"] = o.reference;
   json["poses"] = f.estimated;
-  json["matched"] = f.matched.estimate.size();
+  json["poses_judged"] = f.matched.estimate.size();
   json["duration_s"] = Duration(f);
-  json["length_m"] = eval::PathLength(f.matched.reference);
+  json["path_m"] = eval::PathLength(f.matched.reference);
   json["vertical"] = {f.vertical[0], f.vertical[1], f.vertical[2]};
-  json["alignment"] = {{"kind", o.align},
-                       {"scale", f.alignment.scale},
-                       {"position_m", {pose[0], pose[1], pose[2]}},
-                       {"quaternion_xyzw", {pose[3], pose[4], pose[5], pose[6]}}};
+  json["alignment"] = o.align;
+  json["aligned_by"] = {{"scale", f.alignment.scale},
+                        {"position_m", {pose[0], pose[1], pose[2]}},
+                        {"quaternion_xyzw", {pose[3], pose[4], pose[5], pose[6]}}};
   json["ate"] = {{"translation_m", ToJson(f.ate.translation_m)},
                  {"rotation_deg", ToJson(f.ate.rotation_deg)},
                  {"yaw_deg", ToJson(f.ate.yaw_deg)}};
@@ -309,6 +313,7 @@ Status CheckFiles(const Options& o) {
   if (o.reference.empty()) {
     if (o.output.empty()) return refused("REFERENCE is required, but for --output alone");
     if (!o.json.empty()) return refused("--json: needs REFERENCE");
+    if (!o.report.empty()) return refused("--report: needs REFERENCE");
     if (!o.aligned.empty()) return refused("--aligned: needs REFERENCE");
   }
   if (!o.output_times.empty() && OutputFormat(o) != TrajectoryFormat::kKitti)
@@ -322,6 +327,28 @@ Status CheckFiles(const Options& o) {
   return refused("--times and --rate: neither file is one of KITTI's, the others have stamps");
 }
 
+/// The figures of the page, by the names that vio_replay gives them.
+Json PageFigures(const Figures& f, const Options& o) {
+  Json figures = {{"frames", f.matched.estimate.size()},
+                  {"ate_m", f.ate.translation_m.rmse},
+                  {"ate_yaw_deg", f.ate.yaw_deg.rmse},
+                  {"alignment", o.align},
+                  {"path_m", eval::PathLength(f.matched.reference)},
+                  {"duration_s", Duration(f)},
+                  {"initialized_at_s", nullptr}};
+  if (o.align == "sim3") {
+    figures["scale_error_percent"] = 100.0 * (1.0 / f.alignment.scale - 1.0);
+  }
+  if (f.over_time.ok() && o.interval_s == 1.0) {
+    figures["rpe_1s_m"] = f.over_time->translation_m.rmse;
+  }
+  if (f.over_distance.ok()) {
+    figures["rpe_percent"] = f.over_distance->translation_percent.mean;
+    if (o.lengths_m.size() == 1) figures["rpe_length_m"] = o.lengths_m[0];
+  }
+  return figures;
+}
+
 app::Outcome Run(const Options& o) {
   const bool zero = o.vertical == std::vector<double>{0.0, 0.0, 0.0};
   if (!o.vertical.empty() && (o.vertical.size() != 3 || zero)) {
@@ -331,6 +358,9 @@ app::Outcome Run(const Options& o) {
     if (!(o.lengths_m[k] > o.lengths_m[k - 1])) {
       return app::BadInput("--lengths: must increase");
     }
+  }
+  if (!o.report.empty()) {
+    if (Status s = app::CheckReportPage(); !s.ok()) return app::BadInput(s);
   }
   if (Status s = CheckFiles(o); !s.ok()) return app::BadInput(s);
   const auto estimate = ReadTrajectory(o.estimate, o.stamps);
@@ -350,6 +380,14 @@ app::Outcome Run(const Options& o) {
   if (!o.output.empty()) written = convert();
   if (written.ok() && !o.aligned.empty())
     written = WriteTumTrajectory(figures->matched.estimate, o.aligned);
+  if (written.ok() && !o.report.empty()) {
+    app::TrajectoryPage page;
+    page.estimate = o.estimate;
+    page.reference = o.reference;
+    page.made_by = app::VersionText(kName);
+    page.figures = PageFigures(*figures, o);
+    written = app::WriteReportPage(app::PageOf(page, figures->matched), o.report);
+  }
   if (written.ok() && !o.json.empty()) written = app::WriteJson(o.json, ToJson(*figures, o), 2);
   return written.ok() ? app::Outcome() : app::Failed(written);
 }

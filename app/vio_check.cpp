@@ -232,7 +232,7 @@ int main(int argc, char** argv) {
   CLI::App& cli = program.cli();
   cli.add_option("DIR", options.folder, "Folder of the recording")->required();
   app::AddNumber(cli, "--max-time-offset", &options.max_time_offset_s, 0.0, 10.0,
-                 "Look for a time offset of at most X seconds either way (default 0.5)");
-  program.AddOutput("--json", &options.json, "Write findings and facts to FILE");
+                 "Look for a time offset of at most so much either way (s; default 0.5)");
+  program.AddJson(&options.json);
   return program.Run(argc, argv, [&] { return Run(options); });
 }

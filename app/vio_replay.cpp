@@ -53,7 +53,7 @@ frame-duplicate, frame-out-of-order (in pairs), imu-out-of-order (in pairs), imu
 
 Examples:
   vio_replay data/flight                              stereo and IMU, S = 3, M = 7
-  vio_replay data/flight --mono --policy vins --out flight.tum
+  vio_replay data/flight --mono --policy vins --output flight.tum
   vio_replay data/flight --fault imu-gap@4..4.3 --fault no-features@6..7
   vio_replay data/flight --batch --json flight.json   and the bound
   vio_replay data/flight --states flight.csv
@@ -78,30 +78,31 @@ void AddOptions(Program& program, Settings& s) {
   CLI::App& cli = program.cli();
   cli.add_option("DIR", s.folder, "Folder of a recording (VIOTRACKS)")->required();
   AddChoice(cli, "--policy", &s.replay.policy, {"okvis", "vins", "basalt", "lag"},
-            "What leaves the window: okvis (default), vins (two-way, S + M frames), basalt, lag");
+            "What leaves the window (default okvis); vins: two-way, S + M frames");
   AddInteger(cli, "--frames", &s.replay.frames, 1, 1000,
-             "S, newest frames, with speed and biases (default 3)");
-  AddInteger(cli, "--keyframes", &s.replay.keyframes, 1, 1000, "M, keyframes besides (default 7)");
+             "Newest frames of a window, S, with speed and biases (default 3)");
+  AddInteger(cli, "--keyframes", &s.replay.keyframes, 1, 1000,
+             "Keyframes of a window, M, besides these (default 7)");
   AddNumber(cli, "--lag", &s.replay.lag_s, 0.01, 1000.0, "Of --policy lag (s; default 1)");
   cli.add_flag("--mono", s.replay.mono, "The first camera only");
   cli.add_flag("--no-imu", s.replay.no_imu, "Two cameras without the IMU");
   AddChoice(cli, "--first-estimates", &s.first_estimates, {"off", "prior", "full"},
-            "What stays linearized where it first was: off, prior or full (default)");
+            "What stays linearized where it first was (default full)");
   AddNumber(cli, "--time-offset", &s.replay.time_offset_s, -10.0, 10.0,
             "Added to the stamps of frames (s; default 0)");
   AddInteger(cli, "--iterations", &s.replay.budget.max_iterations, 1, 1000,
-             "Linear solves of a frame (default 4)");
+             "At most N steps of a frame (default 4)");
   AddFaults(cli, ParseFault, &s.replay.faults);
   AddNumber(cli, "--rpe-length", &s.rpe_length_m, 0.01, 1e6,
-            "Of the pieces for RPE in percent (m; default: see below)");
+            "Of the pieces for RPE in percent (m; default: by the way's length)");
   cli.add_flag("--batch", s.batch,
                "Solve the same data as one big problem too: the bound for a window");
   cli.add_flag("--consistency", s.consistency,
                "Hold the covariance of each newest pose against its error (NEES)");
   cli.add_flag("--wall", s.replay.wall_clock, "Times of the clock on the wall");
-  program.AddOutputFile("--out", &s.out, "Write the trajectory (TUM) to FILE");
+  program.AddOutputFile("--output,--out", &s.out, "Write the trajectory (TUM) to FILE");
   program.AddOutput("--states", &s.states, "Write states, sigmas, window sizes (CSV) to FILE");
-  program.AddOutput("--json", &s.json, "Write the figures to FILE");
+  program.AddJson(&s.json);
 }
 
 /// Absent where the recording has no ground truth.

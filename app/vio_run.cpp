@@ -21,10 +21,10 @@
 #include "common/status_line.h"
 #include "common/version.h"
 #include "glissade/io/trajectory.h"
+#include "page/report_page.h"
 #include "replay/fault.h"
 #include "replay/report.h"
 #include "run/image_source.h"
-#include "run/report_page.h"
 #include "run/run_output.h"
 #include "run/vio_session.h"
 
@@ -53,7 +53,7 @@ out-of-order (in pairs), black, bright (overexposed), blurred, covered (dark, wi
 
 Examples:
   vio_run MH_05                                    stereo and IMU
-  vio_run MH_05 --mono --out mh05.tum --report mh05.html
+  vio_run MH_05 --mono --output mh05.tum --report mh05.html
   vio_run MH_05 --start 5 --seconds 10 --json -    part of it
   vio_run MH_05 --fault covered@8..10              the camera is covered for 2 s
   vio_run --print-config > my.yaml                 all that can be set, with what it means
@@ -78,21 +78,23 @@ void AddOptions(Program& program, Settings& s) {
   cli.add_option("--config", s.config, "Settings (YAML); see --print-config")->type_name("FILE");
   cli.add_flag("--print-config", s.print_config,
                "Print all settings with what they mean, and exit");
-  AddNumber(cli, "--start", &s.source.start_s, 0.0, 1e9, "Begin so many s later (default 0)");
-  AddNumber(cli, "--seconds", &s.source.seconds, 0.0, 1e9, "And end after so many (default: all)");
+  AddNumber(cli, "--start", &s.source.start_s, 0.0, 1e9,
+            "Begin so long after the recording does (s; default 0)");
+  AddNumber(cli, "--seconds", &s.source.seconds, 0.0, 1e9,
+            "End so long after that (s; default: all)");
   cli.add_flag("--realtime", s.source.realtime,
                "At the pace of the camera, losing frames like one");
   AddFaults(cli, ParseImageFault, &s.source.faults);
   AddNumber(cli, "--rpe-length", &s.rpe_length_m, 0.01, 1e6,
-            "Of the pieces for RPE in percent (m; default: as vio_replay)");
-  cli.add_flag("--wall", s.wall, "Times of the window by the clock on the wall");
-  program.AddOutputFile("--out", &s.out, "Write the trajectory (TUM) to FILE");
+            "Of the pieces for RPE in percent (m; default: by the way's length)");
+  cli.add_flag("--wall", s.wall, "Times of the clock on the wall");
+  program.AddOutputFile("--output,--out", &s.out, "Write the trajectory (TUM) to FILE");
   program.AddOutput("--states", &s.states, "Write states, sigmas, window sizes (CSV) to FILE");
-  program.AddOutput("--json", &s.json, "Write the figures to FILE");
+  program.AddJson(&s.json);
   program.AddOutput("--report", &s.report, "Write a page to look at (HTML) to FILE");
   program.AddOutput("--rerun", &s.rerun, "Write what scripts/rerun_view.py shows to FILE");
   program.AddOutputPath("--save-tracks", &s.save_tracks,
-                        "Write the tracks (VIOTRACKS) to a folder, for vio_replay");
+                        "Write the tracks (VIOTRACKS) to PATH, a folder, for vio_replay");
 }
 
 /// Writes lines as they come; a reader that goes away ends no run.

@@ -88,7 +88,7 @@ void AddOptions(app::Program& program, Options& o) {
   app::AddInteger(cli, "--repeat", &o.repeat, 1, 1000000, "Solve each window N times (default 3)");
   program.AddOutputFile("--output", &o.output,
                         "Write the solved windows to FILE, .gz and .bz2 compressed");
-  program.AddOutput("--json", &o.json, "Write the figures to FILE");
+  program.AddJson(&o.json);
 }
 
 double Median(const std::vector<double>& values) {

@@ -3,6 +3,10 @@
 #
 # Each library has an export file of its own, so that find_package(glissade) asks a consumer for
 # zlib, bzip2 or Ceres only where the part that needs them is asked for.
+#
+# Components, which become packages (GlissadePackages.cmake): runtime (shared libraries), dev (headers,
+# static libraries, what CMake and pkg-config need), tools (the programs), vision (those that need
+# OpenCV), docs.
 
 set(glissade_cmake_dir "${CMAKE_INSTALL_LIBDIR}/cmake/glissade")
 set(glissade_installed_parts)
@@ -12,10 +16,11 @@ function(glissade_install_library target part)
     return()
   endif()
   install(TARGETS ${target} EXPORT ${target}Targets
-    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-    RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
-  install(EXPORT ${target}Targets NAMESPACE glissade:: DESTINATION "${glissade_cmake_dir}")
+    ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT dev
+    LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT runtime NAMELINK_COMPONENT dev
+    RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
+  install(EXPORT ${target}Targets NAMESPACE glissade:: DESTINATION "${glissade_cmake_dir}"
+          COMPONENT dev)
   set(glissade_installed_parts ${glissade_installed_parts} ${part} PARENT_SCOPE)
 endfunction()
 
@@ -34,7 +39,8 @@ function(glissade_install_pkg_config name description requires libs)
   set(glissade_pc_libs "${libs}")
   set(glissade_pc_cflags "-std=c++20")
   configure_file("${PROJECT_SOURCE_DIR}/cmake/glissade.pc.in" "${PROJECT_BINARY_DIR}/${name}.pc" @ONLY)
-  install(FILES "${PROJECT_BINARY_DIR}/${name}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+  install(FILES "${PROJECT_BINARY_DIR}/${name}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+          COMPONENT dev)
 endfunction()
 
 # A shared library brings along what it needs itself; a static one passes it on.
@@ -56,22 +62,26 @@ endif()
 
 if(EXISTS "${PROJECT_SOURCE_DIR}/include/glissade")
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/glissade"
-    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT dev FILES_MATCHING PATTERN "*.h")
 endif()
 # README.md names docs/, examples/ and data/ beside it.
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md"
               "${PROJECT_SOURCE_DIR}/CHANGELOG.md" "${PROJECT_SOURCE_DIR}/CONTRIBUTING.md"
-        DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+        DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT docs)
 foreach(folder IN ITEMS docs examples data)
   if(IS_DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}")
-    install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+    install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}" DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+            COMPONENT docs)
   endif()
 endforeach()
 
 # Apps: those that have been built.
-if(GLISSADE_APPS)
-  install(TARGETS ${GLISSADE_APPS} RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" OPTIONAL)
-endif()
+foreach(component IN ITEMS tools vision)
+  if(GLISSADE_APP_TARGETS_${component})
+    install(TARGETS ${GLISSADE_APP_TARGETS_${component}}
+            RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT ${component} OPTIONAL)
+  endif()
+endforeach()
 
 set(glissade_io_is_static TRUE)
 if(BUILD_SHARED_LIBS)
@@ -85,4 +95,4 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/glissadeConfigVersion.cm
   COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/glissadeConfig.cmake"
               "${PROJECT_BINARY_DIR}/glissadeConfigVersion.cmake"
-  DESTINATION "${glissade_cmake_dir}")
+  DESTINATION "${glissade_cmake_dir}" COMPONENT dev)

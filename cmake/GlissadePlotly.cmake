@@ -33,7 +33,7 @@ if(GLISSADE_PLOTLY_JS)
   endif()
   configure_file("${GLISSADE_PLOTLY_JS}" "${plotly_bin}/${share_from_bin}/plotly.min.js" COPYONLY)
   install(FILES "${GLISSADE_PLOTLY_JS}" DESTINATION "${CMAKE_INSTALL_DATADIR}/glissade"
-          RENAME plotly.min.js)
+          COMPONENT tools RENAME plotly.min.js)
 else()
   message(STATUS "glissade: plotly.min.js not found: no run can be shown as a page "
                  "(pip install plotly, and configure again)")

@@ -29,7 +29,7 @@ packages_app=(libcli11-dev libfmt-dev nlohmann-json3-dev zlib1g-dev libbz2-dev)
 packages_test=(libgtest-dev libgmock-dev libbenchmark-dev python3)
 # Nice to have: without them the parts that need them are skipped, with a message.
 packages_optional=(libceres-dev libmetis-dev python3-venv python3-dev
-  libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-video-dev libyaml-cpp-dev)
+  libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-video-dev libyaml-cpp-dev zsh groff-base)
 # Asked for apart: it is no package of Ubuntu, and one missing name is enough for apt to refuse all.
 packages_browser=(chromium)
 # Of the documentation site: what reads the headers, and what typesets equations.

@@ -64,7 +64,7 @@ else:
     # Nor can its tilt be held against the window's.
     judged = c and not name.startswith("Malaga")
     nees = f"{c['nees_position']:.1f}, {c['nees_rotation']:.1f}" if judged else "-"
-    print(f"{line}{r['ms_median']:.2f} / {r['ms_p99']:.2f} | {r['marginalize_ms_median']:.2f} | "
+    print(f"{line}{r['median_ms']:.2f} / {r['p99_ms']:.2f} | {r['marginalize_median_ms']:.2f} | "
           f"{r['rejected']} | {r['window_frames_mean']:.1f} | {nees} | {r['window_mb']:.1f} |")
 PYTHON
 }

@@ -48,7 +48,7 @@ void AddProblemInput(CLI::App& cli, ProblemInput* input) {
       "COLMAP model");
   CLI::Option* city = AddInteger(cli, "--city", &input->city, 20, 20000,
                                  "Instead of FILE: a simulated city seen by N cameras");
-  AddSeed(cli, &input->seed, "Seed of the city (default 1)")->needs(city);
+  AddSeed(cli, &input->seed, "the city")->needs(city);
   AddColmapChoices(cli, &input->colmap);
 }
 

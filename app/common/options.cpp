@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 namespace glissade::app {
 
@@ -66,8 +67,9 @@ CLI::Option* AddInteger(CLI::App& cli, const std::string& name, int* value, int 
   return AddWhole(cli, name, value, low, high, help);
 }
 
-CLI::Option* AddSeed(CLI::App& cli, std::uint32_t* value, const std::string& help) {
-  return AddWhole<std::uint32_t>(cli, "--seed", value, 0, 4294967295u, help);
+CLI::Option* AddSeed(CLI::App& cli, std::uint32_t* value, const std::string& what) {
+  return AddWhole<std::uint32_t>(cli, "--seed", value, 0, 4294967295u,
+                                 fmt::format("Seed of {} (default {})", what, *value));
 }
 
 CLI::Option* AddNumber(CLI::App& cli, const std::string& name, double* value, double low,
@@ -115,6 +117,7 @@ std::string Listed(const std::vector<std::string>& words) {
 
 CLI::Option* AddChoice(CLI::App& cli, const std::string& name, std::string* value,
                        std::vector<std::string> words, const std::string& help) {
+  const std::string type = fmt::format("{}", fmt::join(words, "|"));
   return cli
       .add_option_function<std::string>(
           name,
@@ -125,7 +128,7 @@ CLI::Option* AddChoice(CLI::App& cli, const std::string& name, std::string* valu
             *value = text;
           },
           help)
-      ->type_name("WHICH");
+      ->type_name(type);
 }
 
 Status FirstError(std::initializer_list<Status> checks) {
@@ -135,9 +138,43 @@ Status FirstError(std::initializer_list<Status> checks) {
   return {};
 }
 
+std::string HelpFormatter::make_help(const CLI::App* cli, std::string name,
+                                     CLI::AppFormatMode mode) const {
+  std::string text = Formatter::make_help(cli, std::move(name), mode);
+  return rewrite_ ? rewrite_(std::move(text)) : text;
+}
+
+/// Former names are taken, but not shown.
+std::string HelpFormatter::make_option_name(const CLI::Option* option, bool is_positional) const {
+  if (is_positional) return option->get_name(true, false);
+  std::string name;
+  for (const std::string& letter : option->get_snames())
+    name += "-" + letter + ",";
+  return name + "--" + option->get_lnames().front();
+}
+
+/// What an option takes; whether a positional must be there is said by the line of usage.
+std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
+  if (option->get_type_size() == 0 || option->get_type_name() == "TEXT") return "";
+  const bool many = option->get_expected_max() == CLI::detail::expected_max_vector_size;
+  std::string takes = " " + option->get_type_name() + (many ? " ..." : "");
+  // At least two spaces before the description: what reaches into them has a line of its own.
+  const std::string name = make_option_name(option, option->get_positional());
+  if (2 + name.size() + takes.size() + 1 == get_column_width()) takes += ' ';
+  return takes;
+}
+
 std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
   const std::size_t width = 96 - get_column_width();
-  std::istringstream words(option->get_description());
+  std::string description = option->get_description();
+  for (const CLI::Option* other : option->get_needs()) {
+    description += " (needs " + other->get_name() + ")";
+  }
+  for (const CLI::Option* other : option->get_excludes()) {
+    description += " (not with " + other->get_name() + ")";
+  }
+  if (rewrite_) description = rewrite_(std::move(description));
+  std::istringstream words(description);
   std::string text, word;
   std::size_t column = 0;
   while (words >> word) {

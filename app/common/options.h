@@ -4,9 +4,11 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "glissade/base/status.h"
@@ -19,8 +21,8 @@ namespace glissade::app {
 
 CLI::Option* AddInteger(CLI::App& cli, const std::string& name, int* value, int low, int high,
                         const std::string& help);
-/// An integer from 0 to 4294967295, for seeds.
-CLI::Option* AddSeed(CLI::App& cli, std::uint32_t* value, const std::string& help);
+/// --seed N, "Seed of WHAT (default 1)": an integer from 0 to 4294967295.
+CLI::Option* AddSeed(CLI::App& cli, std::uint32_t* value, const std::string& what);
 /// A number from low to high, both included and finite.
 CLI::Option* AddNumber(CLI::App& cli, const std::string& name, double* value, double low,
                        double high, const std::string& help);
@@ -43,10 +45,22 @@ Status FirstError(std::initializer_list<Status> checks);
 /// Throws what CLI11 reports as a wrong value of an option, with a message that names it.
 [[noreturn]] void RefuseOption(const std::string& message);
 
-/// Help of at most 96 columns: descriptions are broken between words.
+/// Help of at most 96 columns: descriptions are broken between words. scripts/help_text.py reads
+/// it, and makes manual pages and completions of it.
 class HelpFormatter : public CLI::Formatter {
  public:
+  using Rewrite = std::function<std::string(std::string)>;
+  /// `rewrite` has the last word on all texts.
+  explicit HelpFormatter(Rewrite rewrite = nullptr) : rewrite_(std::move(rewrite)) {}
+
+  std::string make_help(const CLI::App* cli, std::string name,
+                        CLI::AppFormatMode mode) const override;
+  std::string make_option_name(const CLI::Option* option, bool is_positional) const override;
+  std::string make_option_opts(const CLI::Option* option) const override;
   std::string make_option_desc(const CLI::Option* option) const override;
+
+ private:
+  Rewrite rewrite_;
 };
 
 }  // namespace glissade::app

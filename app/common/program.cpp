@@ -10,9 +10,12 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <string_view>
 #include <utility>
 
+#include "common/commands.h"
 #include "common/interrupt.h"
+#include "common/nearest_name.h"
 #include "common/options.h"
 #include "common/output_file.h"
 #include "common/version.h"
@@ -55,6 +58,10 @@ bool SameFile(const std::string& a, const std::string& b) {
   return !fs::exists(a, error) || fs::is_regular_file(a, error);  // a device takes both
 }
 
+std::string FirstOf(const std::string& names) {
+  return names.substr(0, names.find(','));
+}
+
 Outcome Guarded(const std::function<Outcome()>& work) {
   try {
     return work();
@@ -85,25 +92,25 @@ Program::Program(const char* name, const char* description, const char* footer)
   cli_.formatter(std::make_shared<HelpFormatter>());
   cli_.set_help_flag("-h,--help", "Print this and exit");
   cli_.set_version_flag(
-      "--version", [name = std::string(name)] { return VersionText(name); },
+      "--version", [this] { return VersionText(cli_.get_name()); },
       "Print version, instruction sets and what was compiled in, and exit");
 }
 
 CLI::Option* Program::AddOutput(const std::string& name, std::string* path,
                                 const std::string& help) {
-  outputs_.push_back({name, path, true});
+  outputs_.push_back({FirstOf(name), path, true});
   return cli_.add_option(name, *path, help + "; -: to standard output")->type_name("FILE");
 }
 
 CLI::Option* Program::AddOutputFile(const std::string& name, std::string* path,
                                     const std::string& help) {
-  outputs_.push_back({name, path, false});
+  outputs_.push_back({FirstOf(name), path, false});
   return cli_.add_option(name, *path, help)->type_name("FILE");
 }
 
 CLI::Option* Program::AddOutputPath(const std::string& name, std::string* path,
                                     const std::string& help) {
-  outputs_.push_back({name, path, false, true});
+  outputs_.push_back({FirstOf(name), path, false, true});
   return cli_.add_option(name, *path, help)->type_name("PATH");
 }
 
@@ -132,6 +139,25 @@ Status Program::CheckOutputs() const {
   return {};
 }
 
+/// What is said of an option that the program does not have; empty where there is none. CLI11 would
+/// rather speak of what is missing.
+std::string Program::UnknownOption() const {
+  for (const std::string& word : cli_.remaining()) {
+    if (!word.starts_with('-') || word == "-" || word == "--") continue;
+    const std::string name = word.substr(0, word.find('='));
+    std::vector<std::string> own;
+    for (const CLI::Option* option : cli_.get_options()) {
+      if (option->nonpositional()) own.push_back("--" + option->get_lnames().front());
+    }
+    std::string why = fmt::format("unknown option {}", name);
+    const std::vector<std::string_view> names(own.begin(), own.end());
+    const std::string_view meant = NearestName(name, names);
+    if (!meant.empty()) why += fmt::format("; did you mean {}?", meant);
+    return why;
+  }
+  return "";
+}
+
 int Program::Say(const std::string& why, int exit_code) const {
   std::string line = fmt::format("{}: {}", cli_.get_name(), why);
   for (char& c : line) {
@@ -145,12 +171,19 @@ int Program::Say(const std::string& why, int exit_code) const {
 int Program::Run(int argc, char** argv, const std::function<Outcome()>& work) {
   // Whoever reads through a pipe sees every line when it is there.
   std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16);
+  if (const std::string name = CalledAs(cli_.get_name(), argc > 0 ? argv[0] : "");
+      name != cli_.get_name()) {
+    cli_.name(name);
+    cli_.formatter(std::make_shared<HelpFormatter>(WithCommandNames));
+  }
   try {
     cli_.parse(argc, argv);
   } catch (const CLI::Success& done) {
     return cli_.exit(done);
   } catch (const CLI::ParseError& error) {
-    return Say(fmt::format("{} (see --help)", error.what()), kExitBadInput);
+    const std::string unknown = UnknownOption();
+    return Say(fmt::format("{} (see --help)", unknown.empty() ? error.what() : unknown),
+               kExitBadInput);
   }
   if (const Status s = CheckOutputs(); !s.ok()) return Say(s.message(), kExitBadInput);
   for (const Output& output : outputs_) {
@@ -161,11 +194,14 @@ int Program::Run(int argc, char** argv, const std::function<Outcome()>& work) {
   if (outcome.exit_code == kExitOk && (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)) {
     outcome = {kExitFailed, "standard output cannot be written"};
   }
-  if (outcome.exit_code != kExitOk) return Say(outcome.why, outcome.exit_code);
-  if (Interrupted()) {
-    return Say("interrupted: this is what there was until then", InterruptedExitCode());
+  if (outcome.exit_code == kExitOk && Interrupted()) {
+    outcome = {InterruptedExitCode(), "interrupted: this is what there was until then"};
   }
-  return kExitOk;
+  return Report(outcome);
+}
+
+int Program::Report(const Outcome& outcome) const {
+  return outcome.exit_code == kExitOk ? kExitOk : Say(outcome.why, outcome.exit_code);
 }
 
 }  // namespace glissade::app

@@ -29,14 +29,20 @@ Outcome Failed(const Status& status);
 /// is written.
 class Program {
  public:
-  /// The name is that of the executable; description and footer are shown by --help.
+  /// The name is that of the executable; description and footer are shown by --help. Started by
+  /// `glissade`, it goes by its subcommand's name (commands.h).
   Program(const char* name, const char* description, const char* footer);
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
 
   CLI::App& cli() { return cli_; }
 
   /// An option for a file to write; "-" is standard output, and text for people goes to standard
-  /// error then. No two options may name one file, and all must be writable when work begins.
+  /// error then. No two options may name one file, and all must be writable when work begins. A
+  /// name may be followed by a former one, which is taken too and not shown: "--output,--out".
   CLI::Option* AddOutput(const std::string& name, std::string* path, const std::string& help);
+  /// --json FILE, the figures of a run.
+  void AddJson(std::string* path) { AddOutput("--json", path, "Write the figures (JSON) to FILE"); }
   /// The same, but not to standard output (what may be compressed).
   CLI::Option* AddOutputFile(const std::string& name, std::string* path, const std::string& help);
   /// A file to write, or a folder.
@@ -44,6 +50,8 @@ class Program {
 
   /// Parses, runs the work, and gives what main returns. Exceptions end here.
   int Run(int argc, char** argv, const std::function<Outcome()>& work);
+  /// Says what became of work that was done without Run, likewise, and gives what main returns.
+  int Report(const Outcome& outcome) const;
   /// All of main: options that `add` puts on the command line, for `work`.
   template <class Options, class Add, class Work>
   int Main(int argc, char** argv, const Add& add, const Work& work) {
@@ -60,6 +68,7 @@ class Program {
     bool may_be_folder = false;
   };
   [[nodiscard]] Status CheckOutputs() const;
+  [[nodiscard]] std::string UnknownOption() const;
   int Say(const std::string& why, int exit_code) const;
 
   CLI::App cli_;

@@ -182,7 +182,7 @@ void AddLoss(CLI::App& cli, SolverOptions* options, const std::string& unit) {
          fmt::format("Of the observations: 'none' (default), 'huber:W', 'cauchy:W' or 'tukey:W', W "
                      "the width in {} (default 1)",
                      unit))
-      ->type_name("WHICH:W");
+      ->type_name("none|huber:W|cauchy:W|tukey:W");
 }
 
 void AddGauge(CLI::App& cli, SolverOptions* options) {
@@ -205,7 +205,7 @@ void AddGauge(CLI::App& cli, SolverOptions* options) {
          "What holds the directions that nothing observes, on the first keyframe: 'free' "
          "(default), "
          "only what the file's priors say; 'fixed'; 'prior:W' with weight W (1/m^2 and 1/rad^2)")
-      ->type_name("WHICH:W");
+      ->type_name("free|fixed|prior:W");
 }
 
 }  // namespace glissade::app

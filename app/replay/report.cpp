@@ -99,9 +99,9 @@ void AddRun(const CausalRun& run, const std::optional<TrajectoryErrors>& errors,
   nlohmann::ordered_json& j = *json;
   j["frames"] = run.frames_delivered;
   AddErrors(errors.value_or(TrajectoryErrors{}), json);
-  j["ms_median"] = Quantile(run.ms.total, 0.5);
-  j["ms_p99"] = Quantile(run.ms.total, 0.99);
-  j["marginalize_ms_median"] = Quantile(run.ms.slide, 0.5);
+  j["median_ms"] = Quantile(run.ms.total, 0.5);
+  j["p99_ms"] = Quantile(run.ms.total, 0.99);
+  j["marginalize_median_ms"] = Quantile(run.ms.slide, 0.5);
   j["keyframes"] = run.events[WindowEvent::kKeyframe];
   j["rejected"] = run.events[WindowEvent::kObservationRejected];
   j["events"] = nlohmann::ordered_json::object();
@@ -154,7 +154,7 @@ nlohmann::ordered_json ToJson(const BatchSolution& batch,
   j["imu_terms"] = batch.imu_terms;
   j["iterations"] = batch.iterations;
   j["final_cost"] = batch.final_cost;
-  j["time_s"] = batch.time_s;
+  j["time_ms"] = 1e3 * batch.time_s;
   return j;
 }
 

@@ -17,9 +17,9 @@
 #include "glissade/eval/alignment.h"
 #include "glissade/eval/association.h"
 #include "glissade/problem/problem.h"
+#include "page/report_page.h"
 #include "replay/consistency.h"
 #include "replay/report.h"
-#include "run/report_page.h"
 
 namespace glissade::app {
 

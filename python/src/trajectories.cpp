@@ -63,26 +63,34 @@ constexpr const char* kTrajectoryTuple =
 void BindTrajectories(nb::module_& m) {
   m.def(
       "read_trajectory",
-      [](const std::string& path) { return ArraysOf(Unwrap(ReadTrajectory(path))); },
-      nb::arg("path"),
-      nb::sig(std::string("def read_trajectory(path: str) -> ").append(kTrajectoryTuple).c_str()),
-      "Reads a trajectory: TUM or EuRoC, told by content; plain, .gz or .bz2.\n\nReturns stamps_ns "
-      "(n,) and poses T_world_body (n, 7).");
+      [](const std::string& path, const std::string& times, double rate_hz) {
+        return ArraysOf(Unwrap(ReadTrajectory(path, {times, rate_hz})));
+      },
+      nb::arg("path"), nb::arg("times") = "", nb::arg("rate_hz") = 0.0,
+      nb::sig(
+          std::string("def read_trajectory(path: str, times: str = '', rate_hz: float = 0.0) -> ")
+              .append(kTrajectoryTuple)
+              .c_str()),
+      "Reads a trajectory: TUM, EuRoC or KITTI, told by content; plain, .gz or .bz2.\n\ntimes: for "
+      "KITTI's, which have no stamps, a file with a time [s] for each pose; or rate_hz.\nReturns "
+      "stamps_ns (n,) and poses T_world_body (n, 7).");
+  nb::enum_<TrajectoryFormat>(m, "TrajectoryFormat", "Of trajectory files.")
+      .value("TUM", TrajectoryFormat::kTum)
+      .value("EUROC", TrajectoryFormat::kEuroc)
+      .value("KITTI", TrajectoryFormat::kKitti);
   m.def(
       "write_trajectory",
       [](const std::string& path, const IndexLike& stamps, const ArrayLike& poses,
-         const std::string& format) {
-        const Trajectory t = TrajectoryFrom(stamps, poses, "poses");
-        if (format == "tum") {
-          Check(WriteTumTrajectory(t, path));
-        } else if (format == "euroc") {
-          Check(WriteEurocTrajectory(t, path));
-        } else {
-          throw nb::value_error("format must be 'tum' or 'euroc'");
-        }
+         TrajectoryFormat format, const std::string& kitti_times) {
+        Check(WriteTrajectory(TrajectoryFrom(stamps, poses, "poses"), path, format, kitti_times));
       },
-      nb::arg("path"), nb::arg("stamps_ns"), nb::arg("poses"), nb::arg("format") = "tum",
-      "Writes a trajectory that evo and others read.");
+      nb::arg("path"), nb::arg("stamps_ns"), nb::arg("poses"),
+      nb::arg("format") = TrajectoryFormat::kTum, nb::arg("kitti_times") = "",
+      nb::sig("def write_trajectory(path: str, stamps_ns: numpy.typing.ArrayLike, poses: "
+              "numpy.typing.ArrayLike, format: TrajectoryFormat = ..., kitti_times: str = '') -> "
+              "None"),
+      "Writes a trajectory that evo and others read.\n\nkitti_times: where the stamps go that "
+      "KITTI's format has no place for; '': nowhere.");
   m.def(
       "read_euroc_imu",
       [](const std::string& path) {

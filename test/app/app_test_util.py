@@ -163,7 +163,7 @@ class AppTest(unittest.TestCase):
     def check_help(self, *words):
         text = self.run_ok("--help")
         for word in (*words, "Examples:", "Exit code:", self.app, "--version", "--json", "130",
-                     "--linear-solver", "'auto' (default)", "--threads"):
+                     "--linear-solver", "'auto' (default)"):
             self.assertIn(word, text)
         for line in text.splitlines():
             self.assertLessEqual(len(line), 100, line)

@@ -24,7 +24,7 @@ def without_times(value):
 class GaugeStudy(AppTest):
     app = "gauge_study"
     numeric_options = {"--trials": ("0", "-1", "x"), "--seed": ("-1", "4294967296"),
-                       "--threads": ("0", "-1"), "--vio-start": ("-1", "1e10"),
+                       "--jobs": ("0", "-1"), "--vio-start": ("-1", "1e10"),
                        "--vio-keyframes": ("1", "-1")}
 
     def check_configuration(self, row):
@@ -72,9 +72,9 @@ class GaugeStudy(AppTest):
 
     @without_sanitizers
     def test_same_seed_same_numbers(self):
-        once = self.run_json("--trials", 2, "--seed", 5, "--threads", 2, timeout=900)
+        once = self.run_json("--trials", 2, "--seed", 5, "--jobs", 2, timeout=900)
         self.assertEqual(without_times(once),
-                         without_times(self.run_json("--trials", 2, "--seed", 5, "--threads", 1,
+                         without_times(self.run_json("--trials", 2, "--seed", 5, "--jobs", 1,
                                                      timeout=900)))
         other = self.run_json("--trials", 1, "--seed", 6, timeout=900)
         self.assertNotEqual(once["configurations"][0]["methods"]["fixed"]["p_m"],
@@ -154,7 +154,7 @@ class GaugeStudy(AppTest):
         self.check_version()
 
     def test_help(self):
-        self.check_help("--trials", "--seed", "--vio", "--json", "--csv", "alignment")
+        self.check_help("--jobs", "--trials", "--seed", "--vio", "--json", "--csv", "alignment")
 
 
 if __name__ == "__main__":

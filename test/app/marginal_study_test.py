@@ -8,13 +8,13 @@ from app_test_util import AppTest, main, without_sanitizers
 
 class MarginalStudyTest(AppTest):
     app = "marginal_study"
-    numeric_options = {"--frames": ("3", "-1", "2001"), "--window": ("2", "-1", "51"),
-                       "--points": ("9", "-1", "20001"), "--runs": ("0", "1001"),
+    numeric_options = {"--flight": ("3", "-1", "2001"), "--keyframes": ("2", "-1", "51"),
+                       "--points": ("9", "-1", "20001"), "--trials": ("0", "1001"),
                        "--pixel-noise": ("0", "21"), "--seed": ("-1", "4294967296"),
                        "--iterations": ("-1",), "--threads": ("0",)}
 
     def test_yaw_is_gained_without_first_estimates_and_position_never(self):
-        walks = self.run_json("--frames", "20", "--window", "5", "--points", "80")["walk"]
+        walks = self.run_json("--flight", "20", "--keyframes", "5", "--points", "80")["walk"]
         self.assertEqual(list(walks), ["free", "fixed"])
         for gauge, modes in walks.items():
             self.assertEqual(list(modes), ["off", "prior_only", "full"])
@@ -43,7 +43,7 @@ class MarginalStudyTest(AppTest):
                 self.assertLess(honest, 5.0, (gauge, mode))
 
     def test_matrices_fit_each_other(self):
-        matrices = self.run_json("--frames", "12", "--window", "5", "--points", "60")["matrices"]
+        matrices = self.run_json("--flight", "12", "--keyframes", "5", "--points", "60")["matrices"]
         before, after = len(matrices["before"]), len(matrices["after"])
         self.assertEqual(len(matrices["moved"]), before)
         self.assertEqual(before - after, matrices["going"])
@@ -53,7 +53,7 @@ class MarginalStudyTest(AppTest):
         self.assertEqual(groups, {"before": before, "going": matrices["going"], "staying": after})
 
     def test_refusals(self):
-        self.check_refused("--frames", "5", "--window", "7", says="--frames")
+        self.check_refused("--flight", "5", "--keyframes", "7", says="--flight")
         self.check_refused("--json", "no/such/a.json", says="--json")
         self.check_refused("extra", says="extra")
 
@@ -61,7 +61,7 @@ class MarginalStudyTest(AppTest):
         self.check_numeric_options()
 
     def test_reports_what_it_did_and_writes_only_where_asked(self):
-        out = self.run_ok("--frames", "12", "--window", "5", "--points", "60")
+        out = self.run_ok("--flight", "12", "--keyframes", "5", "--points", "60")
         self.assertEqual(self.files(), [])
         self.assertRegex(out, r"information of a window of 75 states: \d+ variables")
         for gauge in ("free", "fixed"):
@@ -69,10 +69,10 @@ class MarginalStudyTest(AppTest):
                 self.assertRegex(out, rf"(?m)^{gauge} +{mode} +\d")
 
     def test_json_to_stdout(self):
-        self.check_json_on_stdout("--frames", "8", "--window", "4", "--points", "60")
+        self.check_json_on_stdout("--flight", "8", "--keyframes", "4", "--points", "60")
 
     def test_interrupted_walk(self):
-        _, result = self.check_interrupt("--frames", "2000", "--points", "3000", after="variables")
+        _, result = self.check_interrupt("--flight", "2000", "--points", "3000", after="variables")
         self.assertIn("before", result["matrices"])
         self.assertLess(len(result["walk"]["fixed"].get("full", [])), 1993)
 
@@ -80,7 +80,7 @@ class MarginalStudyTest(AppTest):
         self.check_version()
 
     def test_help(self):
-        self.check_help("--frames", "--window", "--points", "--seed", "kappa")
+        self.check_help("--flight", "--keyframes", "--points", "--seed", "kappa")
 
 
 if __name__ == "__main__":

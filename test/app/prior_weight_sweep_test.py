@@ -35,7 +35,7 @@ class PriorWeightSweep(AppTest):
             for trial in weights[weight]["trials"]:
                 self.assertAlmostEqual(trial["pose_error_m"], pose, delta=1e-7)
                 self.assertAlmostEqual(trial["point_error_per_m"], point, delta=1e-7)
-            self.assertEqual(weights[weight]["converged"], trials)
+            self.assertEqual(weights[weight]["converged_trials"], trials)
         for trial in fixed["trials"]:
             self.assertAlmostEqual(trial["pose_error_m"], FIXED[0], delta=1e-7)
             self.assertAlmostEqual(trial["point_error_per_m"], FIXED[1], delta=1e-7)

@@ -35,7 +35,7 @@ def helix():
         "title": "A helix </script><script>throw 1</script> & more", "origin": "/data/helix", "app_version": "vio_run 9.8.7\nand more",
         "figures": {"frames": 210, "ate_m": 0.03125, "ate_yaw_deg": 0.51, "rpe_1s_m": 0.0123, "rpe_percent": 1.25,
                     "scale_error_percent": -0.75, "alignment": "yaw", "rpe_length_m": 10.0, "path_m": 21.5,
-                    "ms_median": 5.5, "ms_p99": 17.25, "initialized_at_s": BEGIN, "duration_s": 20.9, "frames_dropped": 4,
+                    "median_ms": 5.5, "p99_ms": 17.25, "initialized_at_s": BEGIN, "duration_s": 20.9, "frames_dropped": 4,
                     "first_refusal": "", "events": {"keyframe": 39, "standing_still": 5}, "steps": [1, 2]},
         "camera_period_ms": 12.0,
         "states": {"t": times, "p": place, "q": [[0, 0, math.sin(a / 2), math.cos(a / 2)] for a in turn],

@@ -280,7 +280,7 @@ class SimImagesTest(AppTest):
     def test_simulated_flight_and_perfect_tracks(self):
         """What vio_replay makes of the tracks says that truth, IMU and cameras belong together."""
         self.run_ok("r", "--spline", "rec", "--seconds", "12", "--rate", "10", "--size", "320x240",
-                    "--tracks", "t")
+                    "--save-tracks", "t")
         done = subprocess.run([self.folder_of_executables / "vio_replay", "t", "--json", "-"],
                               cwd=self.folder, capture_output=True, text=True, check=True)
         result = json.loads(done.stdout)
@@ -290,7 +290,7 @@ class SimImagesTest(AppTest):
 
     def test_perfect_tracks_lie_on_the_images(self):
         """With boxes: a track looks the same in the next frame and in the other camera."""
-        r = self.render("r", *pure(), "--tracks", "t", "--track-noise", "0", seconds=0.5)
+        r = self.render("r", *pure(), "--save-tracks", "t", "--track-noise", "0", seconds=0.5)
         calibration = json.loads((self.folder / "t" / "calibration.json").read_text(encoding="utf-8"))
         seen = {}
         for frame, track, camera, u, v in table(self.folder / "t" / "tracks.csv.gz"):

@@ -9,12 +9,14 @@ import math
 import os
 import pathlib
 import random
+import re
 import subprocess
 import sys
 import unittest
 
 import app_test_util
-from app_test_util import ROOT, AppTest, data_folder, main
+import browser_util
+from app_test_util import ROOT, AppTest, data_folder, main, strict_json
 
 FLIGHT = ROOT / "data" / "flight"
 
@@ -80,8 +82,8 @@ def python_with_evo():
 
 class TrajEvalTest(AppTest):
     app = "traj_eval"
-    numeric_options = {"--vertical": ("1,2", "0,0,0", "1,,2"), "--tolerance": ("-1",), "--max-gap": ("-1",),
-                       "--offset": (), "--interval": ("0", "-1"), "--lengths": ("0", "5,5", "5,4", "5,"),
+    numeric_options = {"--vertical": ("1,2", "0,0,0", "1,,2"), "--max-difference": ("-1",), "--max-gap": ("-1",),
+                       "--time-offset": (), "--interval": ("0", "-1"), "--lengths": ("0", "5,5", "5,4", "5,"),
                        "--every": ("0", "1.5"), "--rate": ("0", "-10")}
 
     def test_help_and_version(self):
@@ -95,12 +97,12 @@ class TrajEvalTest(AppTest):
     def test_the_truth_has_no_error(self):
         for align in ("yaw", "se3", "sim3", "none"):
             r = self.run_json(FLIGHT / "groundtruth.csv.gz", FLIGHT, "--align", align)
-            self.assertEqual(r["matched"], r["poses"])
+            self.assertEqual(r["poses_judged"], r["poses"])
             self.assertLess(r["ate"]["translation_m"]["max"], 1e-12)
             self.assertLess(r["ate"]["rotation_deg"]["max"], 1e-5)
             self.assertLess(r["rpe_time"]["translation_m"]["max"], 1e-12)
             self.assertLess(r["rpe_distance"]["translation_percent"]["max"], 1e-10)
-            self.assertAlmostEqual(r["alignment"]["scale"], 1, delta=1e-12)
+            self.assertAlmostEqual(r["aligned_by"]["scale"], 1, delta=1e-12)
 
     def test_a_known_motion_is_taken_away_by_the_alignment_that_allows_it(self):
         truth = read_truth(FLIGHT / "groundtruth.csv.gz")
@@ -117,7 +119,7 @@ class TrajEvalTest(AppTest):
                 else:
                     self.assertLess(r["ate"]["translation_m"]["max"], 1e-10, (kind, align))
                     self.assertLess(r["ate"]["rotation_deg"]["max"], 1e-5)
-                    self.assertAlmostEqual(r["alignment"]["scale"] * scale, 1, delta=1e-10)
+                    self.assertAlmostEqual(r["aligned_by"]["scale"] * scale, 1, delta=1e-10)
         # About another vertical.
         estimate = self.write("est.txt", tum(noisy(truth, 1, 0, 0, (0, -1.1, 0), (3, -4, 5), 1)))
         r = self.run_json(estimate, reference, "--vertical", "0,-1,0")
@@ -127,17 +129,17 @@ class TrajEvalTest(AppTest):
         truth = read_truth(FLIGHT / "groundtruth.csv.gz")
         late = [(t + 30_000_000, p, q) for t, p, q in noisy(truth, 2, 0.01, 0.01, (0, 0, 1), (1, 2, 3), 1)]
         estimate = self.write("est.txt", tum(late))
-        text = self.run_ok(estimate, FLIGHT, "--offset", "-0.03", "--aligned", "moved.txt")
+        text = self.run_ok(estimate, FLIGHT, "--time-offset", "-0.03", "--aligned", "moved.txt")
         for word in ("matched", "position [m]", "yaw [deg]", "over 1 s", "over 5 m", "all lengths"):
             self.assertIn(word, text)
-        again = self.run_json("moved.txt", FLIGHT, "--align", "none", "--offset", "-0.03")
+        again = self.run_json("moved.txt", FLIGHT, "--align", "none", "--time-offset", "-0.03")
         self.assertAlmostEqual(again["ate"]["translation_m"]["rmse"], 0.01 * math.sqrt(3), delta=0.002)
         # The last pose is after the truth's last: it is not extrapolated to.
         r = self.run_json(estimate, FLIGHT)
-        self.assertEqual(r["matched"], r["poses"] - 1)
+        self.assertEqual(r["poses_judged"], r["poses"] - 1)
         self.check_refused(estimate, FLIGHT, "--match", "nearest", says="no pose of the estimate")
-        r = self.run_json(estimate, FLIGHT, "--match", "nearest", "--tolerance", "0.031")
-        self.assertEqual(r["matched"], r["poses"])
+        r = self.run_json(estimate, FLIGHT, "--match", "nearest", "--max-difference", "0.031")
+        self.assertEqual(r["poses_judged"], r["poses"])
         r = self.run_json(estimate, FLIGHT, "--lengths", "1000", "--interval", "1000")
         self.assertIsNone(r["rpe_time"])
         self.assertIsNone(r["rpe_distance"])
@@ -214,6 +216,51 @@ class TrajEvalTest(AppTest):
                 self.assertEqual(result.returncode, 2, result.stderr)
                 self.assertIn(says, result.stderr)
                 self.assertEqual(self.files(), before)
+    def test_page(self):
+        if not (self.folder_of_executables / "../share/glissade/plotly.min.js").is_file():
+            self.skipTest("no plotly.js where this was configured (scripts/test.sh fetches one)")
+        truth = read_truth(FLIGHT / "groundtruth.csv.gz")[::40]  # further apart than the page looks around
+        estimate = self.write("est.txt", tum(noisy(truth, 2, 0.01, 0.01, (0, 0, 1), (1, 2, 3), 1)))
+        r = self.run_json(estimate, FLIGHT, "--report", "page.html", "--max-gap", "10")
+        page = (self.folder / "page.html").read_text(encoding="utf-8")
+        data = re.search(r'(?s)<script[^>]*type="application/json"[^>]*>(.*?)</script>', page)
+        data = strict_json(data[1])
+        self.assertEqual(data["title"], "est.txt against flight")
+        self.assertAlmostEqual(data["figures"]["ate_m"], r["ate"]["translation_m"]["rmse"], delta=1e-6)
+        self.assertEqual(data["figures"]["frames"], r["poses_judged"])
+        states, true = data["states"], data["truth"]
+        self.assertEqual(len(states["t"]), r["poses_judged"])
+        self.assertEqual(states["t"], true["t"])
+        squares = 0
+        for p, q, error in zip(states["p"], true["p"], states["error_p"]):
+            for a, b, e in zip(p, q, error):
+                self.assertAlmostEqual(a - b, e, delta=1e-5)
+            squares += sum(e * e for e in error)
+        self.assertAlmostEqual(math.sqrt(squares / len(states["t"])), r["ate"]["translation_m"]["rmse"], delta=1e-5)
+        self.check_in_browser(self.folder / "page.html", r)
+        result = subprocess.run([self.folder_of_executables / "traj_eval", estimate, FLIGHT, "--report", "other.html"],
+                                env={**os.environ, "GLISSADE_PLOTLY_JS": "none.js"}, capture_output=True, text=True,
+                                cwd=self.folder, check=False)
+        self.assertEqual((result.returncode, result.stderr.count("\n")), (2, 1), result.stderr)
+        self.assertFalse((self.folder / "other.html").exists())
+
+    def check_in_browser(self, path, r):
+        """Drawn without an error, with errors along three axes and the figure at the top."""
+        if browser_util.CHROMIUM is None:
+            return
+        browser = browser_util.Browser(1200, 900)
+        try:
+            browser.open(path, "document.documentElement?.dataset.state === 'done'")
+            self.assertEqual(browser.evaluate("document.documentElement.dataset.errors"), "0")
+            self.assertEqual(browser.complaints(), [])
+            text = browser.evaluate("document.body.innerText")
+        finally:
+            browser.close()
+        self.assertIn("est.txt against flight", text)
+        self.assertIn("Error of the position", text)
+        self.assertNotIn("unknown", text)
+        self.assertNotIn("bias", text)
+        self.assertIn(f"{r['ate']['translation_m']['rmse']:.3g}", text)
 
     def test_refusals(self):
         truth = FLIGHT / "groundtruth.csv.gz"

@@ -9,8 +9,8 @@ import unittest
 
 from app_test_util import FEW_NO_NUMBERS, AppTest, data_folder, main, strict_json, without_sanitizers
 
-KEYS = ("frames", "ate_m", "ate_yaw_deg", "rpe_1s_m", "rpe_percent", "scale_error_percent", "ms_median",
-        "ms_p99", "marginalize_ms_median", "keyframes", "rejected", "events", "initialized_at_s", "vision")
+KEYS = ("frames", "ate_m", "ate_yaw_deg", "rpe_1s_m", "rpe_percent", "scale_error_percent", "median_ms",
+        "p99_ms", "marginalize_median_ms", "keyframes", "rejected", "events", "initialized_at_s", "vision")
 # Kind of fault, and what the events must say of it.
 FAULTS = {"dropped@5..7": "frame missing", "repeated@5..7": "image repeated",
           "out-of-order@5..6": "frame refused", "black@5..5.3": "image dark",
@@ -38,7 +38,7 @@ class VioRun(AppTest):
 
     @without_sanitizers
     def test_one_camera_with_an_imu(self):
-        result = self.run_json(self.need(self.mh05), "--out", "out.tum", "--save-tracks", "tracks")
+        result = self.run_json(self.need(self.mh05), "--output", "out.tum", "--save-tracks", "tracks")
         for key in KEYS:
             self.assertIn(key, result)
         self.assertLess(result["initialized_at_s"], 6.0)
@@ -47,7 +47,7 @@ class VioRun(AppTest):
         self.assertGreater(result["vision"]["features_mean"], 120.0)
         # A replay of what was tracked is the same flight, to the last digit.
         replay = str(self.folder_of_executables / "vio_replay")
-        subprocess.run([replay, "tracks", "--out", "again.tum"], cwd=self.folder, check=True,
+        subprocess.run([replay, "tracks", "--output", "again.tum"], cwd=self.folder, check=True,
                        capture_output=True, timeout=120)
         self.assertEqual((self.folder / "out.tum").read_text(encoding="utf-8"),
                          (self.folder / "again.tum").read_text(encoding="utf-8"))
@@ -137,7 +137,7 @@ class VioRun(AppTest):
         image = sorted((folder / "mav0/cam0/data").iterdir())[5]
         image.chmod(0o644)
         image.write_bytes(image.read_bytes()[:5000])
-        result = self.run_app(folder, "--seconds", "1", "--out", "out.tum")
+        result = self.run_app(folder, "--seconds", "1", "--output", "out.tum")
         self.assertEqual(result.returncode, 1)
         self.assertIn(f"{image.name}: the image is cut off", result.stderr)
         image.unlink()

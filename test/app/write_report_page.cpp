@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "run/report_page.h"
+#include "page/report_page.h"
 
 namespace {
 

@@ -74,13 +74,17 @@ def test_trajectories_and_their_errors(tmp_path):
     poses = np.zeros((100, 7))
     poses[:, 6] = 1.0
     poses[:, :3] = np.random.default_rng(1).normal(size=(100, 3)).cumsum(axis=0)
-    for form in ("tum", "euroc"):
-        path = str(tmp_path / form)
-        gl.write_trajectory(path, stamps, poses, form)
-        s, p = gl.read_trajectory(path)
+    times = str(tmp_path / "times")
+    for form in gl.TrajectoryFormat:
+        path = str(tmp_path / form.name)
+        kitti = form == gl.TrajectoryFormat.KITTI
+        gl.write_trajectory(path, stamps, poses, form, times if kitti else "")
+        s, p = gl.read_trajectory(path, times if kitti else "")
         np.testing.assert_array_equal(s, stamps)
         np.testing.assert_array_equal(p, poses)
-    with pytest.raises(ValueError, match="format"):
+    with pytest.raises(gl.Error, match="stamps"):
+        gl.read_trajectory(path)
+    with pytest.raises(TypeError):
         gl.write_trajectory(path, stamps, poses, "xml")
     turned = poses.copy()
     turned[:, :3] = poses[:, [1, 0, 2]] * [-1, 1, 1] + [3, 4, 5]  # a quarter turn about z
@@ -89,6 +93,31 @@ def test_trajectories_and_their_errors(tmp_path):
     assert errors["translation_m"]["rmse"] < 1e-12 and errors["translation_m"]["count"] == 100
     errors = gl.evaluate_trajectory(stamps, turned, stamps, poses, gl.AlignmentKind.NONE)
     assert errors["translation_m"]["rmse"] > 1.0
+
+
+def test_g2o_round_trip(tmp_path):
+    rng = np.random.default_rng(4)
+    poses = np.tile([0.0, 0, 0, 0, 0, 0, 1], (5, 1))
+    poses[:, :3] = rng.normal(size=(5, 3))
+    problem = gl.Problem()
+    vertices = problem.add_poses(poses)
+    steps = np.tile([0.0, 0, 0, 0, 0, 0, 1], (4, 1))
+    steps[:, :3] = np.diff(poses[:, :3], axis=0)
+    problem.add_relative_poses(vertices[:-1], vertices[1:], steps, information=np.diag([4.0, 4, 4, 9, 9, 9]))
+    problem.add_relative_poses(vertices[4], vertices[0], [0, 0, 0, 0, 0, 0, 1])
+    path = str(tmp_path / "graph.g2o")
+    problem.to_g2o(path)
+    again, scene = gl.Problem.from_g2o(path)
+    assert again.cost() == pytest.approx(problem.cost(), rel=1e-12)
+    assert scene.held == 0 and len(scene.relative_poses) == 5
+    problem.fix(vertices[0])
+    assert again.solve().final_cost == pytest.approx(problem.solve().final_cost, rel=1e-9)
+    scene.write(again, str(tmp_path / "solved.g2o"))
+    solved, _ = gl.Problem.from_g2o(str(tmp_path / "solved.g2o"))
+    assert solved.cost() == pytest.approx(again.cost(), rel=1e-9)
+    (tmp_path / "other.g2o").write_text("VERTEX_SE2 0 1 2 3\n")
+    with pytest.raises(gl.Error, match=r"other.g2o:1: "):
+        gl.Problem.from_g2o(str(tmp_path / "other.g2o"))
 
 
 def test_evo_reads_our_trajectories(tmp_path):

@@ -39,7 +39,7 @@ function figuresOf(run, range) {
     ['Scale error', value(f.scale_error_percent, '%')],
     ['Yaw error', value(f.ate_yaw_deg, '°', {note: 'RMS'})],
     ['Initialized after', after === null && !t.some(known) ? {value: 'never', unit: '', bad: true} : value(after, 's')],
-    ['Time per frame', {...value(ms(f.ms_median, 0.5), 'ms'), note: noteOf('p99', ms(f.ms_p99, 0.99), 'ms')}],
+    ['Time per frame', {...value(ms(f.median_ms, 0.5), 'ms'), note: noteOf('p99', ms(f.p99_ms, 0.99), 'ms')}],
     ['Frames', {value: frames === null ? null : String(frames), unit: '', note: refused}],
     ['Duration', value(duration, 's')],
     ['Path length', value(path, 'm', {note: f.path_m > 0 || !p ? '' : 'of the estimate'})],
@@ -57,6 +57,7 @@ function element(kind, className, text) {
 function drawFigures(run, range) {
   const place = document.getElementById('figures');
   for (const [name, figure] of figuresOf(run, range)) {
+    if (run.trajectoryOnly && figure.value === null) continue;
     const tile = element('div');
     const dd = element('dd');
     if (figure.value === null) {
@@ -183,6 +184,9 @@ async function drawReport() {
     } catch (error) {
       tellError(`${name}: ${error.message}`);
     }
+  }
+  for (const id of run.trajectoryOnly ? ['biases', 'time', 'features', 'events', 'images'] : []) {
+    document.getElementById(id).hidden = true;
   }
   document.documentElement.dataset.state = 'done';
 }

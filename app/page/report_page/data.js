@@ -58,6 +58,7 @@ function readRun(raw) {
     origin: typeof data.origin === 'string' ? data.origin : '',
     appVersion: typeof data.app_version === 'string' ? data.app_version.split('\n')[0] : '',
     figures: record(data.figures),
+    trajectoryOnly: data.trajectory_only === true,
     sigmaMeaning: typeof data.sigma_meaning === 'string' ? data.sigma_meaning : '',
     period: known(data.camera_period_ms) && data.camera_period_ms > 0 ? data.camera_period_ms : null,
     states: readStates(record(data.states)),

@@ -21,7 +21,8 @@
 ///     title            "MH_05, mono": what was run
 ///     origin           the folder or file it ran on
 ///     app_version      "vio_run 0.1.0": what made it; its first line is shown
-///     figures          {...}: the keys of vio_replay --json (ate_m, rpe_percent, ms_median, ...);
+///     trajectory_only  true: there was no run, so that nothing is said of what it does not have
+///     figures          {...}: the keys of vio_replay --json (ate_m, rpe_percent, median_ms, ...);
 ///                      besides them duration_s, frames_dropped
 ///     sigma_meaning    "seen from the window's oldest frame": what the sigmas are relative to
 ///     camera_period_ms time from image to image

@@ -21,7 +21,8 @@ async function drawPosition(run, range) {
     sayMissing('plot-position', 'There is no estimated position.');
     return;
   }
-  const errors = positionErrors(run);
+  // Without sigmas a given error is that of the estimate.
+  const errors = sigma.p ? positionErrors(run) : run.states.error ?? positionErrors(run);
   if (errors) document.getElementById('heading-position').textContent = 'Error of the position';
   const shown = errors ?? p;
   const traces = [], ranges = [];
@@ -35,7 +36,7 @@ async function drawPosition(run, range) {
     if (sigma.p) traces.push(band('3 sigma', t, center, half, colours.blue, {...place, legendgroup: 'band'}));
     traces.push(line(errors ? 'estimate minus truth' : 'estimate', t, values, colours.red,
                      {...place, legendgroup: 'line', hovertemplate: `${axisNames[i]} %{y:.4~g} m<extra></extra>`}));
-    const ofSigma = errors && run.states.error ? run.states.error[i] : [];
+    const ofSigma = errors && sigma.p && run.states.error ? run.states.error[i] : [];
     if (ofSigma.length) {
       traces.push(line('error that the band is for', t, ofSigma, colours.blue, {
         ...place, legendgroup: 'ofSigma', line: {color: colours.blue, width: 1},

@@ -1,19 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "run/report_page.h"
+#include "page/report_page.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <vector>
 
 #include "common/output_file.h"
+#include "common/program_folder.h"
 
 namespace glissade::app {
 
@@ -81,14 +80,10 @@ void AppendJson(const ordered_json& value, bool exact, std::string* out) {
 }
 
 std::string PlotlyFile() {
-  namespace fs = std::filesystem;
   if (const char* named = std::getenv("GLISSADE_PLOTLY_JS"); named != nullptr && *named != '\0') {
     return named;
   }
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path folder = error ? fs::path(GLISSADE_INSTALLED_BIN) : program.parent_path();
-  return (folder / GLISSADE_SHARE_FROM_BIN / "plotly.min.js").lexically_normal().string();
+  return (ProgramFolder() / GLISSADE_SHARE_FROM_BIN / "plotly.min.js").lexically_normal().string();
 }
 
 Result<std::string> ReadPlotly() {
