@@ -13,7 +13,7 @@ mkdir "$root/work/glissade"
 git ls-files -z | xargs -0 tar -cf - | tar -C "$root/work/glissade" -xf -
 
 timed "apt-get install what README names" inside "${install[@]}" \
-  g++ cmake make libeigen3-dev zlib1g-dev libbz2-dev python3-dev python3-venv
+  g++ cmake make libeigen3-dev zlib1g-dev libbz2-dev nlohmann-json3-dev python3-dev python3-venv
 cat >"$root/work/use.sh" <<'USE'
 set -euo pipefail
 cd /work/glissade
