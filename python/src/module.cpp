@@ -13,6 +13,8 @@ using namespace nb::literals;
 NB_MODULE(_core, m) {
   using namespace glissade;
   m.doc() = "The compiled part of glissade.";
+  // An edge kind that keeps its problem is a cycle, which is freed with the interpreter: no error.
+  nb::set_leak_warnings(false);
   m.attr("version") =
       nb::str("{}.{}.{}")
           .format(GLISSADE_VERSION_MAJOR, GLISSADE_VERSION_MINOR, GLISSADE_VERSION_PATCH);

@@ -63,6 +63,7 @@ class PyProblem {
 };
 
 void BindProblem(nb::module_& m);
+void BindVertices(nb::class_<PyProblem>& problem);
 void BindEdges(nb::class_<PyProblem>& problem);
 void BindEdgeKinds(nb::module_& m, nb::class_<PyProblem>& problem);
 /// Before all that has a loss or options for an argument; after gauges.

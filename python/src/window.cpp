@@ -14,47 +14,14 @@
 #include "add_edges.h"
 #include "arrays.h"
 #include "errors.h"
-#include "glissade/io/replay.h"
 #include "glissade/window/policy.h"
 #include "glissade/window/sliding_window.h"
 #include "imu.h"
+#include "window.h"
 
 namespace glissade::python {
 
 namespace {
-
-/// As PyProblem: no two threads at once. Calls that work do so without the interpreter's lock.
-class PyWindow {
- public:
-  explicit PyWindow(const SlidingWindowOptions& options)
-      : window_(options), has_imu_(options.imu_noise.has_value()) {
-    Check(options.Validate());
-  }
-  SlidingWindow& get() {
-    if (busy_) {
-      throw nb::builtin_exception(nb::exception_type::runtime_error,
-                                  "another thread is working on this window");
-    }
-    return window_;
-  }
-  [[nodiscard]] bool has_imu() const { return has_imu_; }
-  template <class F>
-  auto Work(F&& f) {
-    SlidingWindow& window = get();
-    busy_ = true;
-    struct Done {
-      std::atomic<bool>& busy;
-      ~Done() { busy = false; }
-    } done{busy_};
-    nb::gil_scoped_release release;
-    return f(window);
-  }
-
- private:
-  SlidingWindow window_;
-  bool has_imu_;
-  std::atomic<bool> busy_ = false;
-};
 
 OutArray PoseArray(const Pose& T) {
   return Own(std::vector<double>(T.data, T.data + 7), {7});
@@ -160,15 +127,16 @@ void BindWindow(nb::module_& m) {
           [](const WindowState& s) {
             return Own(std::vector<double>(s.speed_bias.Data(), s.speed_bias.Data() + 9), {9});
           },
-          "(9,): velocity, accelerometer bias, gyroscope bias; zero without an IMU");
-  nb::class_<PyWindow>(
-      m, "SlidingWindow",
-      "A sliding-window estimator: frames, IMU samples and tracked features go in, "
-      "the newest state comes out, at bounded cost.\n\n"
-      "    window.add_imu(stamps_ns, gyro, accel)   # up to the frame's stamp\n"
-      "    window.add_frame(stamp_ns, tracks, uv)\n"
-      "    window.optimize()\n"
-      "    if window.running: use(window.newest)")
+          "(9,): velocity, accelerometer bias, gyroscope bias; zero without an "
+          "IMU");
+  nb::class_<PyWindow>(m, "SlidingWindow",
+                       "A sliding-window estimator: frames, IMU samples and tracked features go "
+                       "in, "
+                       "the newest state comes out, at bounded cost.\n\n"
+                       "    window.add_imu(stamps_ns, gyro, accel)   # up to the frame's stamp\n"
+                       "    window.add_frame(stamp_ns, tracks, uv)\n"
+                       "    window.optimize()\n"
+                       "    if window.running: use(window.newest)")
       .def(nb::init<const SlidingWindowOptions&>(), nb::arg("options"))
       .def(
           "add_imu",
@@ -177,7 +145,8 @@ void BindWindow(nb::module_& m) {
             Check(w.Work([&](SlidingWindow& x) { return x.AddImu(samples); }));
           },
           nb::arg("stamps_ns"), nb::arg("gyro"), nb::arg("accel"),
-          "Takes all samples that make sense; raises for the first that does not.\n\nstamps_ns: "
+          "Takes all samples that make sense; raises for the first that does "
+          "not.\n\nstamps_ns: "
           "(n,). gyro: (n, 3) [rad/s]. accel: (n, 3), specific force [m/s^2].")
       .def(
           "add_frame",
@@ -188,8 +157,10 @@ void BindWindow(nb::module_& m) {
           },
           nb::arg("stamp_ns"), nb::arg("tracks"), nb::arg("uv"), nb::arg("cameras") = nb::none(),
           nb::arg("keyframe") = KeyframeChoice::kByRules,
-          "A frame later than the last one.\n\ntracks: (n,) the same number in all images that "
-          "show the same point. uv: (n, 2), undistorted pixels. cameras: (n,), 0 where not given.")
+          "A frame later than the last one.\n\ntracks: (n,) the same number in "
+          "all images that "
+          "show the same point. uv: (n, 2), undistorted pixels. cameras: (n,), "
+          "0 where not given.")
       .def(
           "optimize",
           [](PyWindow& w, int max_iterations, double max_time_s) {
@@ -215,7 +186,8 @@ void BindWindow(nb::module_& m) {
           nb::arg("speed_sigma") = InitialSigmas().speed,
           nb::arg("accel_bias_sigma") = InitialSigmas().accel_bias,
           nb::arg("gyro_bias_sigma") = InitialSigmas().gyro_bias,
-          "Begins at a state that is known, with standard deviations of each coordinate.")
+          "Begins at a state that is known, with standard deviations of each "
+          "coordinate.")
       .def(
           "reset", [](PyWindow& w) { Check(w.get().Reset()); },
           "Begins anew at the newest state, without landmarks and prior.")
@@ -255,109 +227,13 @@ void BindWindow(nb::module_& m) {
             Check(w.Work([&](SlidingWindow& x) { return x.NewestCovariance(covariance); }));
             return Own(std::move(covariance), {n, n});
           },
-          "Of the newest state, (15, 15): pose [dp, dtheta], velocity, biases; (6, 6) without an "
+          "Of the newest state, (15, 15): pose [dp, dtheta], velocity, biases; "
+          "(6, 6) without an "
           "IMU. Position and yaw of the window's oldest frame are certain.")
       .def(
           "events", [](PyWindow& w) { return Counts(w.get().total_events()); },
           nb::sig("def events(self) -> dict[str, int]"), "How often what happened.");
-
-  nb::class_<Viotracks>(m, "Viotracks", "A recording with feature tracks (read_viotracks).")
-      .def_ro("origin", &Viotracks::origin)
-      .def_prop_ro("cameras", [](const Viotracks& r) { return WindowCameras(r); })
-      .def_prop_ro("imu_noise", [](const Viotracks& r) { return r.imu_noise; })
-      .def_prop_ro(
-          "gravity", [](const Viotracks& r) { return r.gravity.norm(); }, "m/s^2")
-      .def_prop_ro(
-          "imu", [](const Viotracks& r) { return ArraysOf(r.imu); },
-          nb::sig("def imu(self) -> tuple[numpy.typing.NDArray[numpy.int64], "
-                  "numpy.typing.NDArray[numpy.float64], "
-                  "numpy.typing.NDArray[numpy.float64]]"),
-          "stamps_ns, gyro, accel")
-      .def_prop_ro("frame_stamps_ns",
-                   [](const Viotracks& r) {
-                     std::vector<std::int64_t> stamps;
-                     for (const ViotracksFrame& f : r.frames)
-                       stamps.push_back(f.stamp_ns);
-                     return Own(std::move(stamps));
-                   })
-      .def_prop_ro(
-          "ground_truth",
-          [](const Viotracks& r) {
-            std::vector<std::int64_t> stamps;
-            std::vector<double> poses;
-            for (const GroundTruthState& s : r.ground_truth) {
-              stamps.push_back(s.stamp_ns);
-              poses.insert(poses.end(), s.T_w_b.data, s.T_w_b.data + 7);
-            }
-            const std::size_t n = stamps.size();
-            return nb::make_tuple(Own(std::move(stamps)), Own(std::move(poses), {n, 7}));
-          },
-          nb::sig("def ground_truth(self) -> tuple[numpy.typing.NDArray[numpy.int64], "
-                  "numpy.typing.NDArray[numpy.float64]]"),
-          "stamps_ns, poses (n, 7)")
-      .def(
-          "observations",
-          [](const Viotracks& r, std::int64_t frame) {
-            std::vector<std::int64_t> tracks, cameras;
-            std::vector<double> uv;
-            for (const ViotracksObservation& o : r.tracks) {
-              if (o.frame != frame) continue;
-              tracks.push_back(o.track);
-              cameras.push_back(o.camera);
-              uv.push_back(o.u);
-              uv.push_back(o.v);
-            }
-            const std::size_t n = tracks.size();
-            return nb::make_tuple(Own(std::move(tracks)), Own(std::move(uv), {n, 2}),
-                                  Own(std::move(cameras)));
-          },
-          nb::arg("frame"),
-          nb::sig("def observations(self, frame: int) -> tuple[numpy.typing.NDArray[numpy.int64], "
-                  "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int64]]"),
-          "What frame k shows: tracks, uv (n, 2) [px], cameras.")
-      .def(
-          "options",
-          [](const Viotracks& r, std::size_t num_cameras) {
-            SlidingWindowOptions options;
-            options.cameras = WindowCameras(r, num_cameras);
-            options.imu_noise = r.imu_noise;
-            options.gravity = r.gravity.norm();
-            return options;
-          },
-          nb::arg("num_cameras") = 1000, "Options of a SlidingWindow for this recording.");
-  m.def(
-      "read_viotracks", [](const std::string& folder) { return Unwrap(ReadViotracks(folder)); },
-      nb::arg("folder"), "Reads a VIOTRACKS folder.");
-  m.def(
-      "replay",
-      [](const Viotracks& recording, PyWindow& window, nb::object callback) {
-        ViotracksReplay replay(recording);
-        std::vector<std::int64_t> stamps;
-        std::vector<double> poses;
-        while (replay.Next()) {
-          const Status status = window.Work([&](SlidingWindow& w) {
-            (void)w.AddImu(replay.imu());
-            if (!w.AddFrame(replay.stamp_ns(), replay.observations()).ok()) return Status();
-            return w.Optimize();
-          });
-          if (PyErr_CheckSignals() != 0) throw nb::python_error();
-          Check(status);
-          SlidingWindow& w = window.get();
-          if (w.phase() != WindowPhase::kRunning) continue;
-          stamps.push_back(w.newest().stamp_ns);
-          poses.insert(poses.end(), w.newest().T_w_b.data, w.newest().T_w_b.data + 7);
-          if (!callback.is_none() && callback(nb::cast(w.newest())).is(nb::bool_(false))) break;
-        }
-        const std::size_t n = stamps.size();
-        return nb::make_tuple(Own(std::move(stamps)), Own(std::move(poses), {n, 7}));
-      },
-      nb::arg("recording"), nb::arg("window"), nb::arg("callback") = nb::none(),
-      nb::sig("def replay(recording: Viotracks, window: SlidingWindow, callback: "
-              "collections.abc.Callable[[WindowState], bool | None] | None = None) -> "
-              "tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]"),
-      "Hands a recording to a window in the order of time.\n\nReturns the newest state after "
-      "every frame: stamps_ns (n,), poses (n, 7). callback: called with each, stops by returning "
-      "False.");
+  BindViotracks(m);
 }
 
 }  // namespace glissade::python
