@@ -13,7 +13,7 @@ import typing
 BLACK = "#000000"
 BLUE = "#004488"
 RED = "#bb5566"
-GREY = "#8c8c8c"
+GREY = "#949494"
 YELLOW = "#ddaa33"
 GRID = "#dddddd"
 
