@@ -43,7 +43,8 @@ def ticks(ax):
 
 def test_colours_differ_in_greyscale():
     def lightness(color):
-        linear = [(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4) for c in matplotlib.colors.to_rgb(color)]
+        rgb = np.array(matplotlib.colors.to_rgb(color))
+        linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
         return 116 * np.cbrt(np.dot([0.2126, 0.7152, 0.0722], linear) + 1e-9) - 16
 
     levels = sorted(lightness(plot.colors.series(k).color) for k in range(5))
@@ -237,6 +238,9 @@ def test_prior_weights():
     np.testing.assert_allclose(line.get_ydata(), [2200, 220, 200.2])  # medians, mm
     assert figure.axes[0].get_xscale() == "log" and "mm" in figure.axes[0].get_ylabel()
     assert len(plot.prior_weights(sweep(fixed=False)).axes) == 2
+    poses_only = {"rows": [{**row, "trials": [{"pose_error_m": 1.0}]} for row in sweep()["rows"]]}
+    assert [ax.get_ylabel() for ax in plot.prior_weights(poses_only).axes][0] == "pose error [mm]"
+    assert len(plot.prior_weights(poses_only).axes) == 2
     assert len(plot.prior_weight_time(sweep()).axes) == 2
     figure = plot.prior_weight_path(sweep(), weights=[1.0])
     assert [text.get_text() for text in figure.axes[1].get_legend().get_texts()] == ["no prior", "w = 1", "start"]

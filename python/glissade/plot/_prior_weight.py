@@ -97,18 +97,19 @@ def prior_weights(*sweeps: Sweep) -> Figure:
     """Draws the errors of poses and points against the weight: medians and quartiles of the trials.
 
     The first sweep also says what fixed poses and no prior give, and how its pose error comes near that of
-    fixed poses as the weight grows (third panel, where it has a row of them). Trials need pose_error_m [m]
-    and point_error_per_m [1/m].
+    fixed poses as the weight grows (last panel, where it has a row of them). Trials need pose_error_m [m];
+    point_error_per_m [1/m] has its panel where the first sweep's trials have it.
     """
     if not sweeps:
         raise ValueError("sweeps: at least one is needed")
     first = sweeps[0]
-    _rows(first)
+    has_points = "point_error_per_m" in _rows(first)[0]["trials"][0]
     fixed = _one(first, True)
-    heights = (1.25, 1.0, 1.0)[:2 if fixed is None else 3]
+    heights = [1.25] + [1.0] * (has_points + (fixed is not None))
     fig, axes = _figure.figure(len(heights), 1, (7.4, 2.9 * len(heights)), sharex=True,
                                gridspec_kw={"height_ratios": heights})
-    for ax, key, ylabel in zip(axes, ("pose_error_m", "point_error_per_m"), ("pose error [mm]", "point error [1/km]")):
+    panels = [("pose_error_m", "pose error [mm]"), ("point_error_per_m", "point error [1/km]")][:1 + has_points]
+    for ax, (key, ylabel) in zip(axes, panels):
         for k, sweep in enumerate(sweeps):
             _draw(ax, sweep, key, colors.series(k), _description(sweep), 1e3)
         _levels(ax, first, key, "no prior, aligned to the truth", 1e3)
@@ -116,7 +117,7 @@ def prior_weights(*sweeps: Sweep) -> Figure:
     axes[0].set_title("Accuracy against the weight of the prior")
     axes[0].legend(loc="best", fontsize=8.5)
     if fixed is not None:
-        _draw_approach(axes[2], first, fixed)
+        _draw_approach(axes[-1], first, fixed)
     axes[-1].set_xlabel(_WEIGHT)
     return fig
 
