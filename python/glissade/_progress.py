@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import sys
 import typing
+import warnings
 
 if typing.TYPE_CHECKING:
     from ._core import IterationSummary
@@ -33,7 +34,9 @@ class Progress:
         if self._bar is None:
             if iteration.total_time_s < _SHOWN_AFTER_S:
                 return
-            from tqdm.auto import tqdm  # type: ignore[import-untyped,unused-ignore]
+            with warnings.catch_warnings():  # a notebook without ipywidgets has a bar of text, that is all
+                warnings.simplefilter("ignore")
+                from tqdm.auto import tqdm  # type: ignore[import-untyped,unused-ignore]
 
             self._bar = tqdm(desc="solve", unit="it", initial=iteration.iteration)
         self._bar.set_postfix_str(
