@@ -14,8 +14,8 @@ nanoseconds. Calls that are refused raise glissade.Error.
 """
 
 from ._core import *  # noqa: F403
-from ._core import version as __version__
-from ._edge_kind import EdgeKind
-from ._errors import Error
+from ._core import version as _version
+from ._edge_kind import EdgeKind as EdgeKind
+from ._errors import Error as Error
 
-__all__ = [name for name in dir() if not name.startswith("_")]  # noqa: PLE0605
+__version__: str = _version

@@ -28,5 +28,9 @@ class Error(RuntimeError):
         self.vertex = vertex
         self.edge = edge
 
+    def __reduce__(self) -> tuple[typing.Any, ...]:
+        # To another process: handles mean nothing there.
+        return type(self), (self.args[0], self.code)
+
     def __str__(self) -> str:
         return f"{super().__str__()} [{self.code.name}]"

@@ -15,12 +15,16 @@ _SHOWN_AFTER_S = 1.0
 
 
 def _in_notebook() -> bool:
+    ipython = sys.modules.get("IPython")  # not imported: half a second of an ordinary program's time
+    shell = ipython.get_ipython() if ipython is not None else None
+    return shell is not None and type(shell).__name__ in ("ZMQInteractiveShell", "Shell")
+
+
+def _is_terminal(stream: typing.Any) -> bool:
     try:
-        from IPython import get_ipython
-    except ImportError:
+        return bool(stream.isatty())
+    except (AttributeError, ValueError):
         return False
-    shell = get_ipython()
-    return shell is not None and type(shell).__name__ == "ZMQInteractiveShell"
 
 
 class Progress:
@@ -31,6 +35,12 @@ class Progress:
         self._bar: typing.Any = None
 
     def update(self, iteration: IterationSummary) -> None:
+        try:
+            self._show(iteration)
+        except (AttributeError, ImportError, OSError, ValueError):
+            pass  # a stream that is closed, or none: no reason to end a solve
+
+    def _show(self, iteration: IterationSummary) -> None:
         if self._bar is None:
             if iteration.total_time_s < _SHOWN_AFTER_S:
                 return
@@ -46,11 +56,14 @@ class Progress:
 
     def close(self) -> None:
         if self._bar is not None:
-            self._bar.close()
+            try:
+                self._bar.close()
+            except (AttributeError, OSError, ValueError):
+                pass
 
 
 def make(asked: bool) -> Progress | None:
     """None where nobody asked and nobody looks."""
-    if asked or _in_notebook() or (sys.stderr is not None and sys.stderr.isatty()):
+    if asked or _in_notebook() or _is_terminal(sys.stderr):
         return Progress()
     return None

@@ -30,25 +30,73 @@ Out<T> OwnVector(std::vector<T> values, std::size_t ndim, const std::size_t* sha
   return {nb::ndarray<nb::numpy, T>(data, ndim, shape, owner)};
 }
 
+[[noreturn]] void WrongKind(const char* name, const char* needed, const nb::object& array) {
+  std::string message(name);
+  message.append(" must be ").append(needed).append(", not ");
+  message.append(nb::str(nb::object(array.attr("dtype"))).c_str());
+  throw nb::type_error(message.c_str());
+}
+
+/// C-contiguous, of that type; of integers only what are integers. What numpy raises comes out.
+nb::object Converted(const nb::object& source, const char* name, const char* dtype) {
+  const nb::object numpy = nb::module_::import_("numpy");
+  nb::object array = numpy.attr("asarray")(source);
+  const bool integers = dtype[0] == 'i';
+  const nb::object type = array.attr("dtype");
+  const char kind = nb::str(nb::object(type.attr("kind"))).c_str()[0];
+  const bool empty = nb::cast<std::size_t>(array.attr("size")) == 0;
+  // Text is no number, floats are no indices, complex numbers no coordinates; [] is of floats.
+  const char* kinds = integers ? "iu" : "fiub";
+  if (std::string(kinds).find(kind) == std::string::npos && !(empty && kind == 'f')) {
+    WrongKind(name, integers ? "integers" : "real numbers", array);
+  }
+  if (integers && kind == 'u' && !empty &&
+      nb::cast<bool>(nb::bool_(array.attr("max")() > nb::int_(INT64_MAX)))) {
+    std::string message(name);
+    message.append(" has a number beyond 2^63 - 1");
+    PyErr_SetString(PyExc_OverflowError, message.c_str());
+    throw nb::python_error();
+  }
+  return numpy.attr("require")(array.attr("astype")(dtype, nb::arg("copy") = false), dtype, "CA");
+}
+
 }  // namespace
 
-std::string ArrayLike::Shape() const {
-  return ShapeText(array);
+std::string Doubles::Shape() const {
+  return ShapeText(array_);
+}
+
+Doubles::Doubles(const ArrayLike& source, const char* name) {
+  if (nb::try_cast(source.source, array_, false)) return;
+  const nb::object array = Converted(source.source, name, "float64");
+  if (!nb::try_cast(array, array_)) WrongKind(name, "numbers", array);
+}
+
+Integers::Integers(const IndexLike& source, const char* name) {
+  const nb::object array = Converted(source.source, name, "int64");
+  if (nb::cast<int>(array.attr("ndim")) != 1) {
+    std::string message(name);
+    message.append(" must have one dimension");
+    throw nb::value_error(message.c_str());
+  }
+  if (!nb::try_cast(array, array_)) WrongKind(name, "integers", array);
 }
 
 Rows::Rows(const ArrayLike& array, std::size_t columns, const char* name)
-    : data_(array.data()), rows_(0), columns_(columns), name_(name) {
-  if (array.ndim() == 2 && array.dim(1) == columns) {
-    rows_ = array.dim(0);
-  } else if (array.ndim() == 1 && columns == 1) {
-    rows_ = array.dim(0);
-  } else if ((array.ndim() == 1 && array.dim(0) == columns) ||
-             (array.ndim() == 0 && columns == 1)) {
+    : numbers_(array, name), data_(numbers_.data()), rows_(0), columns_(columns), name_(name) {
+  const Doubles& a = numbers_;
+  if (a.ndim() == 2 && a.dim(1) == columns) {
+    rows_ = a.dim(0);
+  } else if (a.ndim() == 1 && columns == 1) {
+    rows_ = a.dim(0);
+  } else if (a.ndim() == 1 && a.dim(0) == 0) {
+    rows_ = 0;  // []
+  } else if ((a.ndim() == 1 && a.dim(0) == columns) || (a.ndim() == 0 && columns == 1)) {
     rows_ = 1;
   } else {
     std::string message(name);
     message.append(" must have the shape (n, ").append(std::to_string(columns));
-    message.append("), not ").append(array.Shape());
+    message.append("), not ").append(a.Shape());
     throw nb::value_error(message.c_str());
   }
 }
@@ -80,52 +128,3 @@ Out<const double> View(const double* data, std::initializer_list<std::size_t> sh
 }
 
 }  // namespace glissade::python
-
-namespace nanobind::detail {
-
-namespace {
-
-template <class Array>
-bool Convert(handle src, const char* dtype, Array* out, cleanup_list* cleanup) {
-  try {
-    // None would become NaN, and text a number.
-    if (src.is_none() || PyUnicode_Check(src.ptr()) || PyBytes_Check(src.ptr())) return false;
-    if (make_caster<Array> fits; fits.from_python(src, 0, cleanup)) {
-      *out = fits.value;
-      return true;
-    }
-    object numpy = module_::import_("numpy");
-    object array = numpy.attr("asarray")(src);
-    // Floats are no indices, and complex numbers no coordinates.
-    const auto kind = cast<std::string>(array.attr("dtype").attr("kind"));
-    if (dtype[0] == 'i' && kind != "i" && kind != "u") return false;
-    if (dtype[0] == 'f' && kind != "f" && kind != "i" && kind != "u" && kind != "b") return false;
-    array =
-        numpy.attr("ascontiguousarray")(array.attr("astype")(dtype, arg("casting") = "same_kind"))
-            .attr("reshape")(array.attr("shape"));
-    make_caster<Array> caster;
-    if (!caster.from_python(array, 0, cleanup)) return false;
-    *out = caster.value;
-    return true;
-  } catch (python_error& error) {
-    error.restore();
-    PyErr_Clear();
-    return false;
-  } catch (...) {
-    return false;
-  }
-}
-
-}  // namespace
-
-bool type_caster<glissade::python::ArrayLike>::from_python(handle src, std::uint32_t,
-                                                           cleanup_list* cleanup) noexcept {
-  return Convert(src, "float64", &value.array, cleanup);
-}
-
-bool type_caster<glissade::python::IndexLike>::from_python(handle src, std::uint32_t,
-                                                           cleanup_list* cleanup) noexcept {
-  return Convert(src, "int64", &value.array, cleanup);
-}
-
-}  // namespace nanobind::detail

@@ -21,24 +21,41 @@ namespace nb = nanobind;
 using DoubleArray = nb::ndarray<nb::numpy, const double, nb::c_contig, nb::device::cpu>;
 using Int64Array = nb::ndarray<nb::numpy, const std::int64_t, nb::c_contig, nb::device::cpu>;
 
-/// An argument that is an array, or can be made one (lists, other number types). Converted once,
-/// and not copied where it is C-contiguous float64.
+/// An argument that is an array, or can be made one: whatever is not None. It becomes numbers in
+/// the function that has it, which knows its name, and lets out what numpy raises.
 struct ArrayLike {
-  DoubleArray array;
-
-  [[nodiscard]] const double* data() const { return array.data(); }
-  [[nodiscard]] std::size_t ndim() const { return array.ndim(); }
-  [[nodiscard]] std::size_t size() const { return array.size(); }
-  [[nodiscard]] std::size_t dim(std::size_t i) const { return array.shape(i); }
-  /// "(3, 7)"
-  [[nodiscard]] std::string Shape() const;
+  nb::object source;
 };
 /// The same of integers.
 struct IndexLike {
-  Int64Array array;
+  nb::object source;
+};
 
-  [[nodiscard]] const std::int64_t* data() const { return array.data(); }
-  [[nodiscard]] std::size_t size() const { return array.size(); }
+/// float64, not copied where it is that and C-contiguous. TypeError, with the name, for what are no
+/// real numbers.
+class Doubles {
+ public:
+  Doubles(const ArrayLike& source, const char* name);
+  [[nodiscard]] const double* data() const { return array_.data(); }
+  [[nodiscard]] std::size_t ndim() const { return array_.ndim(); }
+  [[nodiscard]] std::size_t size() const { return array_.size(); }
+  [[nodiscard]] std::size_t dim(std::size_t i) const { return array_.shape(i); }
+  /// "(3, 7)"
+  [[nodiscard]] std::string Shape() const;
+
+ private:
+  DoubleArray array_;
+};
+
+/// int64, in one dimension. OverflowError for what does not fit.
+class Integers {
+ public:
+  Integers(const IndexLike& source, const char* name);
+  [[nodiscard]] const std::int64_t* data() const { return array_.data(); }
+  [[nodiscard]] std::size_t size() const { return array_.size(); }
+
+ private:
+  Int64Array array_;
 };
 
 /// n rows of `columns` numbers; one row alone is a matrix of one row, and where columns is 1 a
@@ -57,9 +74,22 @@ class Rows {
   void Expect(std::size_t n) const;
 
  private:
+  Doubles numbers_;
   const double* data_;
   std::size_t rows_, columns_;
   const char* name_;
+};
+/// The only row. ValueError where there is none, or are more.
+class OneRow {
+ public:
+  OneRow(const ArrayLike& array, std::size_t columns, const char* name)
+      : rows_(array, columns, name) {
+    rows_.Expect(1);
+  }
+  [[nodiscard]] const double* data() const { return rows_[0]; }
+
+ private:
+  Rows rows_;
 };
 
 /// An array that is returned. As a type of its own: nanobind refuses an ndarray that has an owner
@@ -80,24 +110,22 @@ Out<const double> View(const double* data, std::initializer_list<std::size_t> sh
 
 namespace nanobind::detail {
 
-template <>
-struct type_caster<glissade::python::ArrayLike> {
-  NB_TYPE_CASTER(glissade::python::ArrayLike, const_name("numpy.typing.ArrayLike"))
-  bool from_python(handle src, std::uint32_t flags, cleanup_list* cleanup) noexcept;
-  static handle from_cpp(const glissade::python::ArrayLike& value, rv_policy policy,
-                         cleanup_list* cleanup) noexcept {
-    return make_caster<glissade::python::DoubleArray>::from_cpp(value.array, policy, cleanup);
+template <class Like>
+struct array_like_caster {
+  NB_TYPE_CASTER(Like, const_name("numpy.typing.ArrayLike"))
+  bool from_python(handle src, std::uint32_t, cleanup_list*) noexcept {
+    if (src.is_none()) return false;
+    value.source = borrow(src);
+    return true;
+  }
+  static handle from_cpp(const Like& value, rv_policy, cleanup_list*) noexcept {
+    return object(value.source).release();
   }
 };
 template <>
-struct type_caster<glissade::python::IndexLike> {
-  NB_TYPE_CASTER(glissade::python::IndexLike, const_name("numpy.typing.ArrayLike"))
-  bool from_python(handle src, std::uint32_t flags, cleanup_list* cleanup) noexcept;
-  static handle from_cpp(const glissade::python::IndexLike& value, rv_policy policy,
-                         cleanup_list* cleanup) noexcept {
-    return make_caster<glissade::python::Int64Array>::from_cpp(value.array, policy, cleanup);
-  }
-};
+struct type_caster<glissade::python::ArrayLike> : array_like_caster<glissade::python::ArrayLike> {};
+template <>
+struct type_caster<glissade::python::IndexLike> : array_like_caster<glissade::python::IndexLike> {};
 
 template <class T>
 struct type_caster<glissade::python::Out<T>> {

@@ -21,17 +21,38 @@ namespace glissade::python {
 
 namespace {
 
-EdgeArray AddPythonEdges(PyProblem& p, nb::object kind, const std::vector<VertexArray>& vertices,
+/// residual_dim of what must be an object with residual() and jacobian.
+int ResidualDimOf(const nb::object& kind) {
+  if (PyType_Check(kind.ptr())) {
+    throw nb::type_error("the kind must be an object, not its class: write Kind()");
+  }
+  for (const char* name : {"residual", "jacobian", "residual_dim"}) {
+    if (!nb::hasattr(kind, name)) {
+      throw nb::type_error("the kind must be an object of a class derived from glissade.EdgeKind");
+    }
+  }
+  const nb::object dim = kind.attr("residual_dim");
+  constexpr long kMost = 1000;
+  const long rows = PyLong_Check(dim.ptr()) ? PyLong_AsLong(dim.ptr()) : 0;
+  if (rows < 1 || rows > kMost) {
+    PyErr_Clear();
+    throw nb::value_error("residual_dim must be an integer from 1 to 1000");
+  }
+  return static_cast<int>(rows);
+}
+
+EdgeArray AddPythonEdges(PyProblem& p, nb::object kind, const nb::object& vertices_given,
                          const nb::args& data, const std::optional<ArrayLike>& sqrt_information,
                          const std::optional<ArrayLike>& information, const Loss& loss) {
   Problem& problem = p.write();
-  if (vertices.empty()) throw nb::value_error("an edge needs a vertex");
-  if (!nb::hasattr(kind, "residual") || !nb::hasattr(kind, "jacobian") ||
-      !nb::hasattr(kind, "residual_dim")) {
-    throw nb::type_error("the kind must be an object of a class derived from glissade.EdgeKind");
+  std::vector<VertexArray> vertices;
+  if (VertexArray alone; nb::try_cast(vertices_given, alone)) {
+    vertices.push_back(alone);  // edges on one vertex each
+  } else if (!nb::try_cast(vertices_given, vertices)) {
+    throw nb::type_error("vertices must be a list of VertexArrays, one for each vertex of an edge");
   }
-  const int rows = nb::cast<int>(kind.attr("residual_dim"));
-  if (rows < 1) throw nb::value_error("residual_dim must be 1 or more");
+  if (vertices.empty()) throw nb::value_error("an edge needs a vertex");
+  const int rows = ResidualDimOf(kind);
   std::vector<NamedVertices> named;
   for (const VertexArray& v : vertices)
     named.push_back({&v, "vertices"});
@@ -39,7 +60,9 @@ EdgeArray AddPythonEdges(PyProblem& p, nb::object kind, const std::vector<Vertex
   std::size_t rows_of_data = 0;
   nb::object numpy = nb::module_::import_("numpy");
   for (nb::handle item : data) {
-    arrays.push_back(numpy.attr("asarray")(item));
+    // A copy that nobody writes to: the residual is a function of it.
+    arrays.push_back(numpy.attr("array")(item));
+    arrays.back().attr("flags").attr("writeable") = false;
     if (nb::cast<int>(arrays.back().attr("ndim")) == 0) {
       throw nb::value_error("data must be arrays with a row for each edge");
     }
@@ -64,6 +87,9 @@ EdgeArray AddPythonEdges(PyProblem& p, nb::object kind, const std::vector<Vertex
     types.push_back(&problem.PoolOf(v[0].type)->ops());
   }
   Weights weights(sqrt_information, information, static_cast<std::size_t>(rows), n);
+  if (!weights.is_finite()) {
+    Raise(Status(StatusCode::kNotFinite, "the weight of an edge is not finite"));
+  }
   if (!weights.is_identity() && !weights.is_sqrt()) {
     std::vector<double> sqrt;
     const auto r = static_cast<std::size_t>(rows);
@@ -121,7 +147,8 @@ double CheckJacobian(PyProblem& p, const EdgeArray& edges) {
     batched[k].edge = edge;
     batched[k].vertices = refs[k];
   }
-  return batch == nullptr ? 0.0 : batch->CompareJacobians(batched);
+  if (batch == nullptr) return 0.0;
+  return p.Ask([&](const Problem&) { return batch->CompareJacobians(batched); });
 }
 
 }  // namespace
@@ -131,26 +158,17 @@ void BindEdgeKinds(nb::module_&, nb::class_<PyProblem>& problem) {
       .def("add_edges", &AddPythonEdges, nb::arg("kind"), nb::arg("vertices"), nb::arg("data"),
            nb::arg("sqrt_information") = nb::none(), nb::arg("information") = nb::none(),
            nb::arg("loss") = Loss(),
-           nb::sig("def add_edges(self, kind: glissade._edge_kind.EdgeKind, "
-                   "vertices: "
-                   "collections.abc.Sequence[VertexArray], *data: "
-                   "numpy.typing.ArrayLike, "
-                   "sqrt_information: numpy.typing.ArrayLike | None = None, "
-                   "information: "
-                   "numpy.typing.ArrayLike | None = None, loss: Loss = ...) -> "
-                   "EdgeArray"),
-           "Adds edges whose residual is written in Python "
-           "(glissade.EdgeKind).\n\nvertices: an "
-           "array for each vertex of an edge. data: arrays with a row for each "
-           "edge, handed to "
-           "residual() and jacobian() after the states. All edges of one call "
-           "are evaluated "
+           nb::sig("def add_edges(self, kind: glissade._edge_kind.EdgeKind, vertices: VertexArray "
+                   "| collections.abc.Sequence[VertexArray], *data: numpy.typing.ArrayLike, "
+                   "sqrt_information: numpy.typing.ArrayLike | None = None, information: "
+                   "numpy.typing.ArrayLike | None = None, loss: Loss = ...) -> EdgeArray"),
+           "Adds edges whose residual is written in Python (glissade.EdgeKind).\n\nvertices: an "
+           "array for each vertex of an edge. data: arrays with a row for each edge, handed to "
+           "residual() and jacobian() after the states. All edges of one call are evaluated "
            "together.")
       .def("check_jacobian", &CheckJacobian, nb::arg("edges"),
-           "The largest |J - differences| / (1 + |differences|) of edges that "
-           "one add_edges() "
-           "added, at the present values; about 1e-9 where jacobian() is "
-           "right.");
+           "The largest |J - differences| / (1 + |differences|) of edges that one add_edges() "
+           "added, at the present values; about 1e-9 where jacobian() is right.");
 }
 
 }  // namespace glissade::python

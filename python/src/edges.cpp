@@ -218,10 +218,10 @@ void BindEdges(nb::class_<PyProblem>& problem) {
       .def("add_reprojections", &AddReprojections, nb::arg("landmarks"), nb::arg("hosts"),
            nb::arg("targets"), nb::arg("uv_host"), nb::arg("uv_target"),
            nb::arg("T_body_camera") = nb::none(), GLISSADE_WEIGHT_ARGS,
-           doc("Observations of inverse-depth landmarks in other frames by the same camera.\n\n"
-               "landmarks, hosts, targets: vertices, one each for an edge. uv_host, uv_target: "
-               "(n, 2), normalized coordinates (x/z, y/z); noise of s px is sqrt_information = f / "
-               "s. T_body_camera: (7,) or (n, 7).")
+           doc("Observations of inverse-depth landmarks in other frames by the same "
+               "camera.\n\nlandmarks, hosts, targets: vertices, one each for an edge. uv_host, "
+               "uv_target: (n, 2), normalized coordinates (x/z, y/z); noise of s px is "
+               "sqrt_information = f / s. T_body_camera: (7,) or (n, 7).")
                .c_str())
       .def("add_stereo_reprojections", &AddStereo, nb::arg("landmarks"), nb::arg("hosts"),
            nb::arg("targets"), nb::arg("uv_host"), nb::arg("uv_target"),

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,6 +19,7 @@
 #include "glissade/io/ply.h"
 #include "handles.h"
 #include "problem.h"
+#include "unlocked.h"
 #include "vertex_values.h"
 
 namespace glissade::python {
@@ -27,7 +30,7 @@ nb::tuple AddBalProblem(const BalProblem& bal, const Loss& loss) {
   auto problem = std::make_unique<PyProblem>();
   BalHandles handles;
   {
-    const nb::gil_scoped_release release;
+    const Unlocked unlocked;
     auto added = AddToGraph(bal, problem->write(), loss);
     if (added.ok())
       handles = std::move(added).value();
@@ -82,14 +85,17 @@ void BindBal(nb::module_& m, nb::class_<PyProblem>& problem) {
           },
           "(k, 2) [px] from the image centre, y up")
       .def(
-          "write", [](const BalProblem& b, const std::string& path) { Check(WriteBal(b, path)); },
+          "write",
+          [](const BalProblem& b, const std::filesystem::path& path) {
+            Check(WriteBal(b, path.string()));
+          },
           nb::arg("path"), "Writes text, .gz, .bz2 or (.bbal) binary, by the name.");
   m.def(
       "read_bal",
-      [](const std::string& path) {
+      [](const std::filesystem::path& path) {
         return Unwrap([&] {
-          const nb::gil_scoped_release release;
-          return ReadBal(path);
+          const Unlocked unlocked;
+          return ReadBal(path.string());
         }());
       },
       nb::arg("path"), "Reads a BAL file: plain, .gz, .bz2 or binary.");
@@ -97,18 +103,18 @@ void BindBal(nb::module_& m, nb::class_<PyProblem>& problem) {
   problem
       .def_static(
           "from_bal",
-          [](const std::string& path, const Loss& loss) {
+          [](const std::filesystem::path& path, const Loss& loss) {
             return AddBalProblem(Unwrap([&] {
-                                   const nb::gil_scoped_release release;
-                                   return ReadBal(path);
+                                   const Unlocked unlocked;
+                                   return ReadBal(path.string());
                                  }()),
                                  loss);
           },
           nb::arg("bal"), nb::arg("loss") = Loss(),
-          nb::sig(
-              std::string("def from_bal(bal: str, loss: Loss = ...) -> ").append(kTuple).c_str()),
-          "A BAL file, or what read_bal() or make_city() gave, as a "
-          "problem.\n\nReturns the "
+          nb::sig(std::string("def from_bal(bal: str | os.PathLike[str], loss: Loss = ...) -> ")
+                      .append(kTuple)
+                      .c_str()),
+          "A BAL file, or what read_bal() or make_city() gave, as a problem.\n\nReturns the "
           "problem, its cameras, points and edges, in the order of the file.")
       .def_static("from_bal", &AddBalProblem, nb::arg("bal"), nb::arg("loss") = Loss(),
                   nb::sig(std::string("def from_bal(bal: BalProblem, loss: Loss = ...) -> ")
@@ -116,15 +122,15 @@ void BindBal(nb::module_& m, nb::class_<PyProblem>& problem) {
                               .c_str()))
       .def(
           "to_bal",
-          [](PyProblem& p, const std::string& path) {
+          [](PyProblem& p, const std::filesystem::path& path) {
             const BalProblem bal = Unwrap(BalFromGraph(p.read()));
-            Check(WriteBal(bal, path));
+            Check(WriteBal(bal, path.string()));
           },
           nb::arg("path"), "Writes a problem of BAL cameras and points.")
       .def(
           "to_ply",
-          [](PyProblem& p, const std::string& path) {
-            Check(WritePly(Unwrap(PlyOfGraph(p.read())), path));
+          [](PyProblem& p, const std::filesystem::path& path) {
+            Check(WritePly(Unwrap(PlyOfGraph(p.read())), path.string()));
           },
           nb::arg("path"), "Writes points, coloured by their errors, and cameras for MeshLab.");
 }

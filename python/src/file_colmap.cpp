@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -56,19 +58,20 @@ void BindColmap(nb::module_& m, nb::class_<PyProblem>& problem) {
       .def_prop_ro("num_observations", [](const Scene& s) { return s.handles.num_observations; })
       .def(
           "write",
-          [](Scene& s, PyProblem& p, const std::string& folder, bool text) {
+          [](Scene& s, PyProblem& p, const std::filesystem::path& folder, bool text) {
             ColmapModel model = s.model;
             Check(UpdateFromGraph(p.read(), s.handles, &model));
-            Check(WriteColmap(model, folder, text ? ColmapFormat::kText : ColmapFormat::kBinary));
+            Check(WriteColmap(model, folder.string(),
+                              text ? ColmapFormat::kText : ColmapFormat::kBinary));
           },
           nb::arg("problem"), nb::arg("folder"), nb::arg("text") = false,
           "Writes the model with what the problem has now.");
   problem.def_static(
       "from_colmap",
-      [](const std::string& folder, bool focal, bool principal, bool distortion, bool fix,
+      [](const std::filesystem::path& folder, bool focal, bool principal, bool distortion, bool fix,
          const Loss& loss) {
         auto scene = std::make_unique<Scene>();
-        scene->model = Unwrap(ReadColmap(folder));
+        scene->model = Unwrap(ReadColmap(folder.string()));
         auto p = std::make_unique<PyProblem>();
         scene->handles =
             Unwrap(AddToGraph(scene->model, p->write(), {focal, principal, distortion, fix, loss}));
@@ -77,9 +80,8 @@ void BindColmap(nb::module_& m, nb::class_<PyProblem>& problem) {
       nb::arg("folder"), nb::kw_only(), nb::arg("free_focal_length") = true,
       nb::arg("free_principal_point") = false, nb::arg("free_distortion") = true,
       nb::arg("fix_first_image") = false, nb::arg("loss") = Loss(),
-      nb::sig("def from_colmap(folder: str, *, free_focal_length: bool = True, "
-              "free_principal_point: bool = False, free_distortion: bool = "
-              "True, fix_first_image: "
+      nb::sig("def from_colmap(folder: str | os.PathLike[str], *, free_focal_length: bool = True, "
+              "free_principal_point: bool = False, free_distortion: bool = True, fix_first_image: "
               "bool = False, loss: Loss = ...) -> tuple[Problem, ColmapScene]"),
       "A COLMAP model, text or binary, as a problem.");
 }

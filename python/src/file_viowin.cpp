@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -102,22 +104,19 @@ void BindViowin(nb::module_& m, nb::class_<PyProblem>& problem) {
                                   Own(std::move(target)), Own(std::move(uv_host), {n, 2}),
                                   Own(std::move(uv_target), {n, 2}));
           },
-          nb::sig("def observations(self) -> "
-                  "tuple[numpy.typing.NDArray[numpy.int64], "
-                  "numpy.typing.NDArray[numpy.int64], "
-                  "numpy.typing.NDArray[numpy.int64], "
-                  "numpy.typing.NDArray[numpy.float64], "
-                  "numpy.typing.NDArray[numpy.float64]]"),
-          "landmark, host, target (k,), uv_host, uv_target (k, 2) normalized: "
-          "what "
+          nb::sig("def observations(self) -> tuple[numpy.typing.NDArray[numpy.int64], "
+                  "numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64], "
+                  "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]"),
+          "landmark, host, target (k,), uv_host, uv_target (k, 2) normalized: what "
           "add_reprojections() takes.");
   m.def(
-      "read_viowin", [](const std::string& path) { return Unwrap(ReadViowin(path)); },
+      "read_viowin",
+      [](const std::filesystem::path& path) { return Unwrap(ReadViowin(path.string())); },
       nb::arg("path"), "Reads all windows of a VIOWIN file.");
   m.def(
       "write_viowin",
-      [](const std::vector<ViowinWindow>& windows, const std::string& path) {
-        Check(WriteViowin(windows, path));
+      [](const std::vector<ViowinWindow>& windows, const std::filesystem::path& path) {
+        Check(WriteViowin(windows, path.string()));
       },
       nb::arg("windows"), nb::arg("path"), "Writes windows, compressed by the name.");
   problem.def(

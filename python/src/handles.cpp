@@ -58,8 +58,21 @@ void BindArray(nb::module_& m, const char* name, const char* doc) {
       .def(
           "__getitem__",
           [at](const Array& a, const nb::object& which) {
-            const nb::object array = nb::module_::import_("numpy").attr("asarray")(which);
             Array out;
+            const bool is_array =
+                nb::hasattr(which, "ndim") && nb::cast<int>(which.attr("ndim")) > 0;
+            if (!is_array && PyIndex_Check(which.ptr()) && !PyBool_Check(which.ptr())) {
+              const Py_ssize_t i = PyNumber_AsSsize_t(which.ptr(), PyExc_IndexError);
+              if (i == -1 && PyErr_Occurred() != nullptr) throw nb::python_error();
+              out.handles.push_back(at(a, i));
+              return out;
+            }
+            constexpr const char* kWhat = "indices must be integers, a slice or a mask";
+            if (PyUnicode_Check(which.ptr()) || nb::isinstance<Array>(which)) {
+              throw nb::type_error(kWhat);
+            }
+            const nb::object array = nb::module_::import_("numpy").attr("asarray")(which);
+            if (nb::cast<int>(array.attr("ndim")) != 1) throw nb::type_error(kWhat);
             if (MaskLike mask; nb::try_cast(array, mask, false)) {
               if (mask.shape(0) != a.size()) throw nb::index_error("mask of another length");
               for (std::size_t k = 0; k < a.size(); ++k) {
@@ -67,20 +80,18 @@ void BindArray(nb::module_& m, const char* name, const char* doc) {
               }
               return out;
             }
-            if (nb::len(array) == 0) return out;  // an empty list is an array of floats
-            IndexLike indices;
-            if (!nb::try_cast(array, indices)) {
-              throw nb::type_error("indices must be integers, a slice or a mask");
-            }
+            const Integers indices(IndexLike{array}, "indices");
             out.handles.reserve(indices.size());
             for (std::size_t k = 0; k < indices.size(); ++k)
               out.handles.push_back(at(a, static_cast<Py_ssize_t>(indices.data()[k])));
             return out;
           },
           nb::arg("which"),
-          nb::sig(
-              (std::string("def __getitem__(self, which: numpy.typing.ArrayLike, /) -> ") + name)
-                  .c_str()))
+          nb::sig((std::string("def __getitem__(self, which: collections.abc.Sequence[int] | "
+                               "collections.abc.Sequence[bool] | numpy.typing.NDArray[typing.Any] "
+                               "| typing.SupportsIndex, /) -> ") +
+                   name)
+                      .c_str()))
       .def(
           "__iter__",
           [](nb::handle self) {

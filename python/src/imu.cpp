@@ -22,12 +22,13 @@ namespace glissade::python {
 std::vector<ImuSample> SamplesFrom(const IndexLike& stamps_ns, const ArrayLike& gyro,
                                    const ArrayLike& accel) {
   const Rows rates(gyro, 3, "gyro"), forces(accel, 3, "accel");
-  const std::size_t n = stamps_ns.size();
+  const Integers stamps(stamps_ns, "stamps_ns");
+  const std::size_t n = stamps.size();
   rates.Expect(n);
   forces.Expect(n);
   std::vector<ImuSample> samples(n);
   for (std::size_t k = 0; k < n; ++k) {
-    samples[k].stamp_ns = stamps_ns.data()[k];
+    samples[k].stamp_ns = stamps.data()[k];
     std::copy_n(rates[k], 3, samples[k].gyro.data());
     std::copy_n(forces[k], 3, samples[k].accel.data());
   }
@@ -55,8 +56,8 @@ namespace {
 ImuBias BiasFrom(const std::optional<ArrayLike>& accel_bias,
                  const std::optional<ArrayLike>& gyro_bias) {
   ImuBias bias;
-  if (accel_bias) std::copy_n(Rows(*accel_bias, 3, "accel_bias")[0], 3, bias.ba.data());
-  if (gyro_bias) std::copy_n(Rows(*gyro_bias, 3, "gyro_bias")[0], 3, bias.bg.data());
+  if (accel_bias) std::copy_n(OneRow(*accel_bias, 3, "accel_bias").data(), 3, bias.ba.data());
+  if (gyro_bias) std::copy_n(OneRow(*gyro_bias, 3, "gyro_bias").data(), 3, bias.bg.data());
   return bias;
 }
 
@@ -153,23 +154,24 @@ void BindImu(nb::module_& m) {
           "predict",
           [](const ImuPreintegration& x, const ArrayLike& pose, const ArrayLike& speed_bias,
              const ArrayLike& gravity) {
-            const Rows T(pose, 7, "pose"), s(speed_bias, 9, "speed_bias"), g(gravity, 3, "gravity");
+            const OneRow T(pose, 7, "pose"), s(speed_bias, 9, "speed_bias"),
+                g(gravity, 3, "gravity");
             EdgeImu edge;
             edge.imu = x.imu;
-            std::copy_n(g[0], 3, edge.gravity.data());
+            std::copy_n(g.data(), 3, edge.gravity.data());
             VertexSpeedBias sb;
-            std::copy_n(s[0], 9, sb.Data());
-            const ImuPrediction to = Predict(edge, VertexPose{PoseFrom(T[0])}, sb);
+            std::copy_n(s.data(), 9, sb.Data());
+            const ImuPrediction to = Predict(edge, VertexPose{PoseFrom(T.data())}, sb);
             return nb::make_tuple(
                 Own(std::vector<double>(to.pose.pose.data, to.pose.pose.data + 7), {7}),
                 Own(std::vector<double>(to.speed_bias.Data(), to.speed_bias.Data() + 9), {9}));
           },
           nb::arg("pose"), nb::arg("speed_bias"),
           nb::arg("gravity") = nb::make_tuple(0.0, 0.0, -9.81),
-          nb::sig("def predict(self, pose: numpy.typing.ArrayLike, speed_bias: "
-                  "numpy.typing.ArrayLike, gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81)) "
-                  "-> tuple[numpy.typing.NDArray[numpy.float64], "
-                  "numpy.typing.NDArray[numpy.float64]]"),
+          nb::sig(
+              "def predict(self, pose: numpy.typing.ArrayLike, speed_bias: numpy.typing.ArrayLike, "
+              "gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81)) -> "
+              "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]"),
           "Pose (7,) and speed and biases (9,) at the end, from those at the beginning.");
   m.def(
       "preintegrate",
@@ -181,8 +183,8 @@ void BindImu(nb::module_& m) {
       },
       nb::arg("stamps_ns"), nb::arg("gyro"), nb::arg("accel"), nb::arg("noise") = ImuNoise(),
       nb::arg("accel_bias") = nb::none(), nb::arg("gyro_bias") = nb::none(),
-      "Integrates an interval of IMU samples.\n\nstamps_ns: (n,). gyro: (n, 3) [rad/s]. accel: "
-      "(n, 3), specific force [m/s^2]. Biases: (3,), where the increments are linearized.");
+      "Integrates an interval of IMU samples.\n\nstamps_ns: (n,). gyro: (n, 3) [rad/s]. accel: (n, "
+      "3), specific force [m/s^2]. Biases: (3,), where the increments are linearized.");
   nb::class_<ImuBuffer>(m, "ImuBuffer", "IMU samples in the order of time.")
       .def(nb::init<>())
       .def(
@@ -230,11 +232,10 @@ void BindImuEdges(nb::class_<PyProblem>& problem) {
       "add_imu", &AddImu, nb::arg("pose_i"), nb::arg("speed_bias_i"), nb::arg("pose_j"),
       nb::arg("speed_bias_j"), nb::arg("intervals"),
       nb::arg("gravity") = nb::make_tuple(0.0, 0.0, -9.81), nb::kw_only(), nb::arg("loss") = Loss(),
-      nb::sig("def add_imu(self, pose_i: VertexArray, speed_bias_i: VertexArray, pose_j: "
-              "VertexArray, speed_bias_j: VertexArray, intervals: "
-              "collections.abc.Sequence[ImuPreintegration], gravity: "
-              "numpy.typing.ArrayLike = (0.0, 0.0, -9.81), *, loss: Loss = ...) -> "
-              "EdgeArray"),
+      nb::sig(
+          "def add_imu(self, pose_i: VertexArray, speed_bias_i: VertexArray, pose_j: VertexArray, "
+          "speed_bias_j: VertexArray, intervals: collections.abc.Sequence[ImuPreintegration], "
+          "gravity: numpy.typing.ArrayLike = (0.0, 0.0, -9.81), *, loss: Loss = ...) -> EdgeArray"),
       "Preintegrated IMU measurements between frames.\n\nintervals: one for each edge; their "
       "covariance is the weight. gravity: acceleration in the world [m/s^2].");
 }

@@ -45,8 +45,9 @@ EdgeArray AddMarginalPrior(PyProblem& p, const VertexArray& vertices, const Arra
     if (!problem.Contains(v)) Raise(problem.UnknownHandle(v));
     types.push_back(&problem.PoolOf(v.type)->ops());
   }
-  auto prior = Unwrap(EdgeMarginalPrior::Create(
-      types, {x0.data(), x0.size()}, {r0.data(), r0.size()}, {jacobian.data(), jacobian.size()}));
+  const Doubles at(x0, "x0"), r(r0, "r0"), J(jacobian, "jacobian");
+  auto prior = Unwrap(EdgeMarginalPrior::Create(types, {at.data(), at.size()}, {r.data(), r.size()},
+                                                {J.data(), J.size()}));
   const auto edge = p.Seen(problem.AddEdge(std::move(prior), vertices.handles));
   return EdgeArray({AnyEdge(edge)});
 }
@@ -69,9 +70,9 @@ void BindMarginal(nb::module_& m, nb::class_<PyProblem>& problem) {
       .def_ro("rank_deficiency", &MarginalReport::rank_deficiency)
       .def_prop_ro("deficient", [](const MarginalReport& r) { return VertexArray(r.deficient); })
       .def_ro("constant_cost", &MarginalReport::constant_cost);
-  nb::class_<MarginalPrior>(m, "MarginalPrior",
-                            "r(x) = r0 + J (x boxminus x0), as numbers: arrays look into this "
-                            "object and keep it alive.")
+  nb::class_<MarginalPrior>(
+      m, "MarginalPrior",
+      "r(x) = r0 + J (x boxminus x0), as numbers: arrays look into this object and keep it alive.")
       .def_prop_ro(
           "vertices", [](const MarginalPrior& p) { return VertexArray(p.vertices); },
           "What is left and touched; columns of J in this order")

@@ -6,6 +6,7 @@
 #include "glissade/version.h"
 #include "handles.h"
 #include "problem.h"
+#include "unlocked.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -35,6 +36,7 @@ NB_MODULE(_core, m) {
       .value("PARSE_ERROR", StatusCode::kParseError)
       .value("OUT_OF_MEMORY", StatusCode::kOutOfMemory);
   // Types come before what has them as a default argument.
+  python::BindExit();
   python::BindHandles(m);
   python::BindGauge(m);
   python::BindSolveOptions(m);

@@ -7,13 +7,17 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "arrays.h"
 #include "errors.h"
 #include "for_all.h"
+#include "glissade/edges/dynamic.h"
+#include "glissade/graph/pools.h"
 #include "handles.h"
 
 namespace glissade::python {
@@ -22,8 +26,19 @@ namespace {
 
 OutArray Chi2OfEdges(PyProblem& p, const EdgeArray& edges) {
   std::vector<double> chi2(edges.size());
-  for (std::size_t k = 0; k < chi2.size(); ++k)
-    chi2[k] = Unwrap(p.read().Chi2(edges[k]));
+  p.Ask([&](const Problem& problem) {
+    // Edges written in Python are asked together.
+    const EdgePoolBase* pool = problem.EdgePoolOf(&kTypeInfo<DynamicEdge>);
+    std::vector<double> batched;
+    if (pool != nullptr && edges.size() > 1) batched = pool->BatchedChi2();
+    for (std::size_t k = 0; k < chi2.size(); ++k) {
+      double s = NAN;
+      if (!batched.empty() && edges[k].type == pool->type() && problem.Contains(edges[k])) {
+        s = batched[static_cast<std::size_t>(pool->slots().IndexOf(edges[k].slot))];
+      }
+      chi2[k] = std::isfinite(s) ? s : Unwrap(problem.Chi2(edges[k]));
+    }
+  });
   return Own(std::move(chi2), {edges.size()});
 }
 
@@ -32,8 +47,7 @@ void BindQueries(nb::class_<PyProblem>& problem) {
       .def_prop_ro("num_edges", [](PyProblem& p) { return p.read().NumEdges(); })
       .def(
           "vertices", [](PyProblem& p) { return VertexArray(p.read().Vertices()); },
-          "All vertices: by type in the order of first use, in order of "
-          "insertion.")
+          "All vertices: by type in the order of first use, in order of insertion.")
       .def(
           "edges", [](PyProblem& p) { return EdgeArray(p.read().Edges()); }, "All edges.")
       .def(
@@ -59,19 +73,24 @@ void BindQueries(nb::class_<PyProblem>& problem) {
       .def(
           "remove_vertices",
           [](PyProblem& p, const VertexArray& v, bool with_prior) {
-            const auto prior = with_prior ? PriorOnVertex::kRemove : PriorOnVertex::kRefuse;
-            ForAll(p, v, [&](AnyVertex x) { return p.write().RemoveVertex(x, prior); });
+            ExpectKnownOnce(p, v);
+            Problem& problem = p.write();
+            // One that is refused comes before any that goes.
+            std::vector<AnyVertex> order = v.handles;
+            std::stable_partition(order.begin(), order.end(),
+                                  [&](AnyVertex x) { return problem.HasFirstEstimate(x); });
+            for (const AnyVertex& x : order) {
+              p.Seen(problem.RemoveVertex(
+                  x, with_prior ? PriorOnVertex::kRemove : PriorOnVertex::kRefuse));
+            }
           },
           nb::arg("vertices"), nb::arg("with_prior") = false,
-          "Removes vertices and their edges. One under a marginal prior is "
-          "refused unless the "
+          "Removes vertices and their edges. One under a marginal prior is refused unless the "
           "prior may go as well; marginalize() keeps what it knows.")
       .def(
           "remove_edges",
           [](PyProblem& p, const EdgeArray& edges) {
-            for (const AnyEdge& e : edges.handles) {
-              if (!p.read().Contains(e)) Raise(p.read().UnknownHandle(e));
-            }
+            ExpectKnownOnce(p, edges);
             for (const AnyEdge& e : edges.handles)
               p.Seen(p.write().RemoveEdge(e));
           },
@@ -79,7 +98,8 @@ void BindQueries(nb::class_<PyProblem>& problem) {
       .def("chi2", &Chi2OfEdges, nb::arg("edges"),
            "s = r' Omega r of each edge, without 1/2 and loss: (n,).")
       .def(
-          "cost", [](PyProblem& p) { return Unwrap(p.read().Cost()); },
+          "cost",
+          [](PyProblem& p) { return Unwrap(p.Ask([](const Problem& x) { return x.Cost(); })); },
           "1/2 sum rho(s) over all edges: what solve() minimizes.")
       .def(
           "depths",
@@ -94,17 +114,31 @@ void BindQueries(nb::class_<PyProblem>& problem) {
       .def(
           "outliers",
           [](PyProblem& p, double max_chi2, double min_depth) {
-            return EdgeArray(p.read().GetOutlierEdges({max_chi2, min_depth}));
+            return EdgeArray(p.Ask([&](const Problem& x) {
+              return x.GetOutlierEdges({max_chi2, min_depth});
+            }));
           },
           nb::arg("max_chi2") = OutlierOptions().max_chi2,
           nb::arg("min_depth") = OutlierOptions().min_depth,
-          "Observations with chi2 over max_chi2 (default: 99 % of two degrees "
-          "of freedom) or less "
-          "depth than min_depth [m].")
+          "Observations by the built-in edges with chi2 over max_chi2 (default: 99 % of two "
+          "degrees of freedom) or less depth than min_depth [m].")
       .def(
           "clone",
           [](PyProblem& p) { return std::make_unique<PyProblem>(Unwrap(p.read().Clone())); },
-          "A deep copy. Handles of this problem are valid in it.");
+          "A deep copy. Handles of this problem are valid in it.")
+      .def(
+          "__deepcopy__",
+          [](PyProblem& p, const nb::dict&) {
+            return std::make_unique<PyProblem>(Unwrap(p.read().Clone()));
+          },
+          nb::arg("memo"))
+      .def("__repr__", [](PyProblem& p) {
+        return std::string("<Problem: ")
+            .append(std::to_string(p.read().NumVertices()))
+            .append(" vertices, ")
+            .append(std::to_string(p.read().NumEdges()))
+            .append(" edges>");
+      });
 }
 
 }  // namespace
@@ -119,9 +153,9 @@ Problem& PyProblem::read() {
 
 Problem& PyProblem::write() {
   if (busy_) {
-    throw nb::builtin_exception(nb::exception_type::runtime_error,
-                                "the problem is being worked on: it can be "
-                                "read in a callback, not changed");
+    throw nb::builtin_exception(
+        nb::exception_type::runtime_error,
+        "the problem is being worked on: it can be read in a callback, not changed");
   }
   return problem_;
 }
@@ -140,17 +174,13 @@ void BindProblem(nb::module_& m) {
       .value("POSITION_AND_YAW", Fix::kPositionAndYaw, "of a pose")
       .value("BIASES", Fix::kBiases, "both biases; the velocity stays free")
       .value("NUMBERS", Fix::kNumbers, "some numbers: Problem.fix_numbers()");
-  auto problem =
-      nb::class_<PyProblem>(m, "Problem",
-                            "A factor graph with everything that is needed to solve it.\n\n"
-                            "Poses are T_world_body, 7 numbers: position [m], unit quaternion x "
-                            "y z "
-                            "w. SI units.\nCalls that are refused raise glissade.Error and "
-                            "change "
-                            "nothing.\nNot for use by two threads at once; solves run without "
-                            "the "
-                            "interpreter's lock.")
-          .def(nb::init<>());
+  auto problem = nb::class_<PyProblem>(
+                     m, "Problem",
+                     "A factor graph with everything that is needed to solve it.\n\nPoses are "
+                     "T_world_body, 7 numbers: position [m], unit quaternion x y z w. SI "
+                     "units.\nCalls that are refused raise glissade.Error and change nothing.\nNot "
+                     "for use by two threads at once; solves run without the interpreter's lock.")
+                     .def(nb::init<>());
   BindVertices(problem);
   BindQueries(problem);
   BindEdges(problem);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "glissade/problem/problem.h"
+#include "unlocked.h"
 
 namespace glissade::python {
 
@@ -32,8 +33,16 @@ class PyProblem {
   auto Work(F&& f) {
     Problem& problem = write();
     const Busy busy(this);
-    nb::gil_scoped_release release;
+    const Unlocked unlocked;
     return f(problem);
+  }
+  /// Asks for what edges say, which may be written in Python: while they are asked the problem
+  /// cannot be changed, nor used by another thread. With the interpreter's lock.
+  template <class F>
+  auto Ask(F&& f) {
+    if (busy_) return f(read());  // in a callback, or an edge
+    const Busy busy(this);
+    return f(problem_);
   }
 
   /// For a call that was refused: Python has its exception, a later solve need not repeat it.
@@ -61,6 +70,9 @@ class PyProblem {
   std::atomic<bool> busy_ = false;
   std::thread::id worker_;
 };
+
+/// What a callback returns: nothing or True to go on, False to stop.
+bool SaysStop(nb::handle answer);
 
 void BindProblem(nb::module_& m);
 void BindVertices(nb::class_<PyProblem>& problem);

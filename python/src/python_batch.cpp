@@ -115,10 +115,11 @@ nb::object PythonBatch::Call(nb::handle function, const std::vector<nb::object>&
   return nb::steal(result);
 }
 
-ArrayLike PythonBatch::Converted(nb::handle value, const std::string& what,
-                                 std::initializer_list<std::size_t> shape) const {
-  ArrayLike out;
-  bool fits = nb::try_cast(value, out) && out.ndim() == shape.size();
+Doubles PythonBatch::Converted(nb::handle value, const std::string& what,
+                               std::initializer_list<std::size_t> shape) const {
+  Doubles out(ArrayLike{nb::borrow(value)},
+              std::string("what ").append(what).append(" returns").c_str());
+  bool fits = out.ndim() == shape.size();
   std::string wanted = "(";
   std::size_t i = 0;
   for (const std::size_t s : shape) {
@@ -127,11 +128,8 @@ ArrayLike PythonBatch::Converted(nb::handle value, const std::string& what,
   }
   if (!fits) {
     std::string message(what);
-    message.append(" must return numbers of the shape ").append(wanted).append(")");
-    if (nb::hasattr(value, "shape")) {
-      message.append(", not ").append(nb::str(nb::object(value.attr("shape"))).c_str());
-    }
-    throw nb::value_error(message.c_str());
+    message.append(" must return numbers of the shape ").append(wanted).append("), not ");
+    throw nb::value_error(message.append(out.Shape()).c_str());
   }
   return out;
 }
@@ -141,7 +139,7 @@ std::string PythonBatch::Name(const char* function) const {
   return std::string(nb::str(type).c_str()).append(".").append(function).append("()");
 }
 
-ArrayLike PythonBatch::Residual(const Arguments& arguments) const {
+Doubles PythonBatch::Residual(const Arguments& arguments) const {
   nb::object value = Call(kind_.get().attr("residual"), arguments.arrays);
   const std::size_t n =
       arguments.states.empty()
@@ -167,7 +165,7 @@ void PythonBatch::Weigh(const BatchedEdge& edge, const double* in, std::size_t c
   }
 }
 
-void PythonBatch::WriteResiduals(const ArrayLike& residual, std::span<BatchedEdge> edges) const {
+void PythonBatch::WriteResiduals(const Doubles& residual, std::span<BatchedEdge> edges) const {
   for (std::size_t k = 0; k < edges.size(); ++k) {
     Weigh(edges[k], residual.data() + k * rows_, 1, edges[k].residual);
     edges[k].has_value = std::all_of(edges[k].residual, edges[k].residual + rows_,
@@ -188,7 +186,7 @@ void PythonBatch::WriteJacobians(const Arguments& arguments, std::span<BatchedEd
   for (std::size_t i = 0; i < types_.size(); ++i) {
     const auto dim = static_cast<std::size_t>(types_[i]->tangent_dim);
     nb::object item = value[i];
-    const ArrayLike J =
+    const Doubles J =
         Converted(item, Name("jacobian").append("[").append(std::to_string(i)).append("]"),
                   {edges.size(), rows_, dim});
     for (std::size_t k = 0; k < edges.size(); ++k) {
@@ -215,7 +213,8 @@ void PythonBatch::WriteDifferences(const Arguments& at, std::span<BatchedEdge> e
           const double* x = at.states[i].data() + k * ambient;
           // The cube root of the rounding, of the size of the number where it
           // is a sum.
-          const double size = ops.additive ? std::max(1.0, std::abs(x[c])) : 1.0;
+          const bool is_sum = ops.additive || (ops.type == &kTypeInfo<VertexPose> && c < 3);
+          const double size = is_sum ? std::max(1.0, std::abs(x[c])) : 1.0;
           steps[k] = 6e-6 * size;
           std::fill(delta.begin(), delta.end(), 0.0);
           delta[c] = sign * steps[k];
@@ -224,7 +223,7 @@ void PythonBatch::WriteDifferences(const Arguments& at, std::span<BatchedEdge> e
         there.arrays[i] = nb::cast(Own(std::move(states), {n, ambient}));
         return Residual(there);
       };
-      const ArrayLike ahead = moved(1.0), behind = moved(-1.0);
+      const Doubles ahead = moved(1.0), behind = moved(-1.0);
       for (std::size_t k = 0; k < n; ++k) {
         if (edges[k].jacobians[i] == nullptr) continue;
         for (std::size_t r = 0; r < rows_; ++r)

@@ -15,6 +15,7 @@
 #include "arrays.h"
 #include "glissade/edges/dynamic.h"
 #include "glissade/edges/edge_batch.h"
+#include "glissade/vertices/pose.h"
 #include "weights.h"
 
 /// \file
@@ -96,16 +97,16 @@ class PythonBatch final : public EdgeBatch {
 
   static nb::object Call(nb::handle function, const std::vector<nb::object>& arrays);
 
-  [[nodiscard]] ArrayLike Converted(nb::handle value, const std::string& what,
-                                    std::initializer_list<std::size_t> shape) const;
+  [[nodiscard]] Doubles Converted(nb::handle value, const std::string& what,
+                                  std::initializer_list<std::size_t> shape) const;
   [[nodiscard]] std::string Name(const char* function) const;
 
-  [[nodiscard]] ArrayLike Residual(const Arguments& arguments) const;
+  [[nodiscard]] Doubles Residual(const Arguments& arguments) const;
 
   /// out <- L in of edge k, in: rows_ x columns.
   void Weigh(const BatchedEdge& edge, const double* in, std::size_t columns, double* out) const;
 
-  void WriteResiduals(const ArrayLike& residual, std::span<BatchedEdge> edges) const;
+  void WriteResiduals(const Doubles& residual, std::span<BatchedEdge> edges) const;
 
   void WriteJacobians(const Arguments& arguments, std::span<BatchedEdge> edges) const;
 

@@ -15,6 +15,7 @@
 #include "glissade/sim/windows.h"
 #include "handles.h"
 #include "problem.h"
+#include "unlocked.h"
 
 namespace glissade::python {
 
@@ -50,7 +51,7 @@ void BindScenes(nb::module_& m, nb::class_<PyProblem>& problem) {
         options.outlier_share = outlier_share;
         options.seed = seed;
         return Unwrap([&] {
-          const nb::gil_scoped_release release;
+          const Unlocked unlocked;
           return sim::MakeCity(options);
         }());
       },

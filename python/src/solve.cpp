@@ -59,14 +59,18 @@ void BindOptions(nb::module_& m) {
         return loss.trivial() ? std::string("Loss()")
                               : std::string(loss.type()->name).append("(...)");
       });
+  const auto checked = [](const Loss& loss) {
+    Check(loss.Validate());
+    return loss;
+  };
   m.def(
-      "Huber", [](double width) { return Loss(Huber{width}); }, nb::arg("width") = 1.0,
+      "Huber", [checked](double width) { return checked(Huber{width}); }, nb::arg("width") = 1.0,
       "Huber's loss; width in sigmas.");
   m.def(
-      "Cauchy", [](double width) { return Loss(Cauchy{width}); }, nb::arg("width") = 1.0,
+      "Cauchy", [checked](double width) { return checked(Cauchy{width}); }, nb::arg("width") = 1.0,
       "Cauchy's loss; width in sigmas.");
   m.def(
-      "Tukey", [](double width) { return Loss(Tukey{width}); }, nb::arg("width") = 4.685,
+      "Tukey", [checked](double width) { return checked(Tukey{width}); }, nb::arg("width") = 4.685,
       "Tukey's biweight; width in sigmas.");
 
   nb::class_<PcgOptions>(m, "PcgOptions", "Of the conjugate gradient solvers.")
@@ -194,6 +198,17 @@ void BindSummary(nb::module_& m) {
           nb::sig("def _repr_html_(self) -> str"));
 }
 
+}  // namespace
+
+bool SaysStop(nb::handle answer) {
+  if (answer.is_none()) return false;
+  const int truth = PyObject_IsTrue(answer.ptr());
+  if (truth < 0) throw nb::python_error();
+  return truth == 0;
+}
+
+namespace {
+
 /// Calls back into Python from a solve: signals, progress, the user's function.
 class Caller {
  public:
@@ -204,6 +219,7 @@ class Caller {
 
   /// With the interpreter's lock not held.
   CallbackAction operator()(const IterationSummary& it) {
+    if (InterpreterEnds()) return CallbackAction::kStop;
     // A short solve does not ask for the lock: whoever waits for it may hold it for long.
     constexpr double kSignalsAfter = 0.05;
     const bool waits = !user_.is_none() || it.total_time_s > kSignalsAfter;
@@ -212,9 +228,7 @@ class Caller {
     if (PyErr_CheckSignals() != 0) throw nb::python_error();
     if (!progress_.is_none()) progress_.attr("update")(nb::cast(it));
     if (user_.is_none()) return CallbackAction::kContinue;
-    // Only False stops: a function that returns nothing goes on.
-    return user_(nb::cast(it)).is(nb::bool_(false)) ? CallbackAction::kStop
-                                                    : CallbackAction::kContinue;
+    return SaysStop(user_(nb::cast(it))) ? CallbackAction::kStop : CallbackAction::kContinue;
   }
   void Close() {
     if (!progress_.is_none()) progress_.attr("close")();
@@ -229,11 +243,20 @@ SolveSummary Solve(PyProblem& p, const std::optional<SolveOptions>& given,
                    std::optional<bool> progress, nb::object callback, const nb::kwargs& changes) {
   nb::object options = nb::cast(given ? *given : SolveOptions());
   for (const auto& [name, value] : changes) {
-    if (!nb::hasattr(options, name)) {
-      const auto text = nb::cast<std::string>(name);
+    const auto text = nb::cast<std::string>(name);
+    if (text.starts_with("_") || !nb::hasattr(options, name)) {
       throw nb::type_error(std::string("solve() has no option '").append(text).append("'").c_str());
     }
-    nb::setattr(options, name, value);
+    try {
+      nb::setattr(options, name, value);
+    } catch (nb::python_error& error) {
+      if (!error.matches(PyExc_TypeError)) throw;
+      const std::string text = std::string("solve(): option '")
+                                   .append(nb::cast<std::string>(name))
+                                   .append("' cannot be ")
+                                   .append(nb::repr(value).c_str());
+      throw nb::type_error(text.c_str());
+    }
   }
   auto& chosen = nb::cast<SolveOptions&>(options);
   if (!callback.is_none() && !PyCallable_Check(callback.ptr())) {
@@ -264,10 +287,10 @@ void BindSolve(nb::module_& m, nb::class_<PyProblem>& problem) {
            nb::sig("def solve(self, options: SolveOptions | None = None, *, progress: bool | None "
                    "= None, callback: collections.abc.Callable[[IterationSummary], bool | None] | "
                    "None = None, **changes: object) -> SolveSummary"),
-           "Minimizes the cost from the present values and leaves the best ones found.\n\n"
-           "changes: options by name, as in SolveOptions: solve(max_iterations=5). progress: a "
-           "line with cost and rate once the solve takes longer than a second (None: where stderr "
-           "is a terminal, and in notebooks). callback: called after every iteration, may read the "
+           "Minimizes the cost from the present values and leaves the best ones found.\n\nchanges: "
+           "options by name, as in SolveOptions: solve(max_iterations=5). progress: a line with "
+           "cost and rate once the solve takes longer than a second (None: where stderr is a "
+           "terminal, and in notebooks). callback: called after every iteration, may read the "
            "problem, stops the solve by returning False.\nCtrl-C stops with KeyboardInterrupt and "
            "the best values so far. A failed solve raises Error, with the values as they were.")
       .def(

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <string>
 
 #include "arrays.h"
@@ -23,7 +25,8 @@ namespace {
 
 using eval::Trajectory;
 
-Trajectory TrajectoryFrom(const IndexLike& stamps, const ArrayLike& poses, const char* name) {
+Trajectory TrajectoryFrom(const IndexLike& stamps_ns, const ArrayLike& poses, const char* name) {
+  const Integers stamps(stamps_ns, "stamps_ns");
   const Rows rows(poses, 7, name);
   rows.Expect(stamps.size());
   Trajectory out(stamps.size());
@@ -63,14 +66,14 @@ constexpr const char* kTrajectoryTuple =
 void BindTrajectories(nb::module_& m) {
   m.def(
       "read_trajectory",
-      [](const std::string& path, const std::string& times, double rate_hz) {
-        return ArraysOf(Unwrap(ReadTrajectory(path, {times, rate_hz})));
+      [](const std::filesystem::path& path, const std::filesystem::path& times, double rate_hz) {
+        return ArraysOf(Unwrap(ReadTrajectory(path.string(), {times.string(), rate_hz})));
       },
       nb::arg("path"), nb::arg("times") = "", nb::arg("rate_hz") = 0.0,
-      nb::sig(
-          std::string("def read_trajectory(path: str, times: str = '', rate_hz: float = 0.0) -> ")
-              .append(kTrajectoryTuple)
-              .c_str()),
+      nb::sig(std::string("def read_trajectory(path: str | os.PathLike[str], times: str | "
+                          "os.PathLike[str] = '', rate_hz: float = 0.0) -> ")
+                  .append(kTrajectoryTuple)
+                  .c_str()),
       "Reads a trajectory: TUM, EuRoC or KITTI, told by content; plain, .gz or .bz2.\n\ntimes: for "
       "KITTI's, which have no stamps, a file with a time [s] for each pose; or rate_hz.\nReturns "
       "stamps_ns (n,) and poses T_world_body (n, 7).");
@@ -80,25 +83,27 @@ void BindTrajectories(nb::module_& m) {
       .value("KITTI", TrajectoryFormat::kKitti);
   m.def(
       "write_trajectory",
-      [](const std::string& path, const IndexLike& stamps, const ArrayLike& poses,
-         TrajectoryFormat format, const std::string& kitti_times) {
-        Check(WriteTrajectory(TrajectoryFrom(stamps, poses, "poses"), path, format, kitti_times));
+      [](const std::filesystem::path& path, const IndexLike& stamps, const ArrayLike& poses,
+         TrajectoryFormat format, const std::filesystem::path& kitti_times) {
+        Check(WriteTrajectory(TrajectoryFrom(stamps, poses, "poses"), path.string(), format,
+                              kitti_times.string()));
       },
       nb::arg("path"), nb::arg("stamps_ns"), nb::arg("poses"),
       nb::arg("format") = TrajectoryFormat::kTum, nb::arg("kitti_times") = "",
-      nb::sig("def write_trajectory(path: str, stamps_ns: numpy.typing.ArrayLike, poses: "
-              "numpy.typing.ArrayLike, format: TrajectoryFormat = ..., kitti_times: str = '') -> "
-              "None"),
+      nb::sig("def write_trajectory(path: str | os.PathLike[str], stamps_ns: "
+              "numpy.typing.ArrayLike, poses: numpy.typing.ArrayLike, format: TrajectoryFormat = "
+              "..., kitti_times: str | os.PathLike[str] = '') -> None"),
       "Writes a trajectory that evo and others read.\n\nkitti_times: where the stamps go that "
       "KITTI's format has no place for; '': nowhere.");
   m.def(
       "read_euroc_imu",
-      [](const std::string& path) {
-        return ArraysOf(std::span<const ImuSample>(Unwrap(ReadEurocImu(path))));
+      [](const std::filesystem::path& path) {
+        return ArraysOf(std::span<const ImuSample>(Unwrap(ReadEurocImu(path.string()))));
       },
       nb::arg("path"),
-      nb::sig("def read_euroc_imu(path: str) -> tuple[numpy.typing.NDArray[numpy.int64], "
-              "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]"),
+      nb::sig("def read_euroc_imu(path: str | os.PathLike[str]) -> "
+              "tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64], "
+              "numpy.typing.NDArray[numpy.float64]]"),
       "Reads imu0/data.csv: stamps_ns (n,), gyro (n, 3) [rad/s], accel (n, 3) [m/s^2].");
   nb::enum_<eval::AlignmentKind>(m, "AlignmentKind", "What of a world is chosen freely.")
       .value("NONE", eval::AlignmentKind::kNone)
@@ -129,11 +134,10 @@ void BindTrajectories(nb::module_& m) {
       nb::arg("alignment") = eval::AlignmentKind::kYaw,
       nb::sig("def evaluate_trajectory(stamps_ns: numpy.typing.ArrayLike, poses: "
               "numpy.typing.ArrayLike, true_stamps_ns: numpy.typing.ArrayLike, true_poses: "
-              "numpy.typing.ArrayLike, alignment: AlignmentKind = ...) -> "
-              "dict[str, typing.Any]"),
+              "numpy.typing.ArrayLike, alignment: AlignmentKind = ...) -> dict[str, typing.Any]"),
       "The absolute trajectory error (Sturm et al., IROS 2012) after alignment: 'translation_m' "
-      "and 'rotation_deg' with rmse, mean, median, max, count; 'scale'; 'aligned' and "
-      "'reference', trajectories of matched poses.");
+      "and 'rotation_deg' with rmse, mean, median, max, count; 'scale'; 'aligned' and 'reference', "
+      "trajectories of matched poses.");
 }
 
 }  // namespace glissade::python

@@ -55,7 +55,8 @@ VertexArray AddVertices(PyProblem& p, const ArrayLike& array, const char* name) 
 }
 
 VertexArray AddVectors(PyProblem& p, const ArrayLike& values) {
-  const std::size_t n = values.ndim() == 2 ? values.dim(1) : 0;
+  const Doubles given(values, "values");
+  const std::size_t n = given.ndim() == 2 ? given.dim(1) : 0;
   switch (n) {
     case 1:
       return AddVertices<VertexVector<1>>(p, values, "values");
@@ -79,7 +80,7 @@ VertexArray AddVectors(PyProblem& p, const ArrayLike& values) {
       break;
   }
   throw nb::value_error(std::string("values must have the shape (n, k), k from 1 to 9, not ")
-                            .append(values.Shape())
+                            .append(given.Shape())
                             .c_str());
 }
 
@@ -122,13 +123,29 @@ void SetValues(PyProblem& p, const VertexArray& vertices, const ArrayLike& array
       std::memcpy(value.Data(), rows.ForEach(k), sizeof(double) * V::kAmbientDim);
       before.push_back(problem.Get(*vertices[k].As<V>()));
       if (Status status = set(k, value); !status.ok()) {
-        for (std::size_t j = 0; j < k; ++j)
+        for (std::size_t j = k; j-- > 0;)  // backwards: a vertex may be there twice
           (void)set(j, before[j]);
         p.Seen(status);
       }
     }
   });
   if (!known) throw nb::value_error("vertices of this type cannot be set from Python");
+}
+
+/// Holds vertices by f(vertex), or leaves all as they are.
+template <class F>
+void HoldAll(PyProblem& p, const VertexArray& vertices, F&& f) {
+  Problem& problem = p.write();
+  std::vector<Fix> before;
+  std::vector<std::uint32_t> numbers;
+  for (const AnyVertex& v : vertices.handles) {
+    before.push_back(problem.GetFixed(v));
+    numbers.push_back(problem.FixedNumbers(v));
+  }
+  ForAll(p, vertices, f, [&](std::size_t k) {
+    (void)(before[k] == Fix::kNumbers ? problem.SetFixedNumbers(vertices[k], numbers[k])
+                                      : problem.SetFixed(vertices[k], before[k]));
+  });
 }
 
 }  // namespace
@@ -139,10 +156,8 @@ void BindVertices(nb::class_<PyProblem>& problem) {
           "add_poses",
           [](PyProblem& p, const ArrayLike& T) { return AddVertices<VertexPose>(p, T, "poses"); },
           nb::arg("poses"),
-          "Adds poses T_world_body.\n\nposes: (n, 7), position x y z [m] and "
-          "unit quaternion "
-          "x y z w (Hamilton).\nTangent, 6: [dp (world axes), dtheta (body "
-          "axes)].")
+          "Adds poses T_world_body.\n\nposes: (n, 7), position x y z [m] and unit quaternion x y z "
+          "w (Hamilton).\nTangent, 6: [dp (world axes), dtheta (body axes)].")
       .def(
           "add_inverse_depths",
           [](PyProblem& p, const ArrayLike& d) {
@@ -150,8 +165,7 @@ void BindVertices(nb::class_<PyProblem>& problem) {
           },
           nb::arg("inverse_depths"),
           "Adds landmarks by their inverse depth along a ray of their host "
-          "frame.\n\n"
-          "inverse_depths: (n,) or (n, 1) [1/m].")
+          "frame.\n\ninverse_depths: (n,) or (n, 1) [1/m].")
       .def(
           "add_points",
           [](PyProblem& p, const ArrayLike& X) {
@@ -164,8 +178,7 @@ void BindVertices(nb::class_<PyProblem>& problem) {
             return AddVertices<VertexSpeedBias>(p, x, "speeds and biases");
           },
           nb::arg("speed_biases"),
-          "Adds velocities and IMU biases.\n\nspeed_biases: (n, 9), velocity "
-          "in the world [m/s], "
+          "Adds velocities and IMU biases.\n\nspeed_biases: (n, 9), velocity in the world [m/s], "
           "bias of the accelerometer [m/s^2], of the gyroscope [rad/s].")
       .def(
           "add_bal_cameras",
@@ -173,20 +186,18 @@ void BindVertices(nb::class_<PyProblem>& problem) {
             return AddVertices<VertexCameraBal>(p, c, "cameras");
           },
           nb::arg("cameras"),
-          "Adds cameras as BAL files have them.\n\ncameras: (n, 9), rotation "
-          "vector [rad], "
+          "Adds cameras as BAL files have them.\n\ncameras: (n, 9), rotation vector [rad], "
           "translation, focal length [px], k1, k2.")
       .def("add_vectors", &AddVectors, nb::arg("values"),
            "Adds plain vectors, additive.\n\nvalues: (n, k), k from 1 to 9.")
       .def("values", &Values, nb::arg("vertices"),
            "The present values of vertices of one type: (n, k), a copy.")
       .def("set_values", &SetValues, nb::arg("vertices"), nb::arg("values"),
-           "Sets the values of vertices of one type, all or none: (n, k), or "
-           "one row for all.")
+           "Sets the values of vertices of one type, all or none: (n, k), or one row for all.")
       .def(
           "fix",
           [](PyProblem& p, const VertexArray& v, Fix fix) {
-            ForAll(p, v, [&](AnyVertex x) { return p.write().SetFixed(x, fix); });
+            HoldAll(p, v, [&](AnyVertex x) { return p.write().SetFixed(x, fix); });
           },
           nb::arg("vertices"), nb::arg("what") = Fix::kWhole,
           "Holds vertices, or a part of poses, at their present values.")
@@ -198,21 +209,21 @@ void BindVertices(nb::class_<PyProblem>& problem) {
               if (k < 0 || k > 8) throw nb::value_error("numbers are from 0 to 8");
               held |= 1u << k;
             }
-            ForAll(p, v, [&](AnyVertex x) { return p.write().SetFixedNumbers(x, held); });
+            HoldAll(p, v, [&](AnyVertex x) { return p.write().SetFixedNumbers(x, held); });
           },
           nb::arg("vertices"), nb::arg("numbers"),
-          "Holds some numbers of additive vertices: fix_numbers(cameras, [2, "
-          "3]).")
+          "Holds some numbers of additive vertices: fix_numbers(cameras, [2, 3]).")
       .def(
           "free",
           [](PyProblem& p, const VertexArray& v) {
-            ForAll(p, v, [&](AnyVertex x) { return p.write().SetFixed(x, Fix::kFree); });
+            HoldAll(p, v, [&](AnyVertex x) { return p.write().SetFixed(x, Fix::kFree); });
           },
           nb::arg("vertices"), "Lets go what fix() holds.")
       .def(
           "fixed",
           [](PyProblem& p, const VertexArray& v) {
             std::vector<Fix> fixed;
+            ExpectKnown(p, v);
             for (const AnyVertex& x : v.handles)
               fixed.push_back(p.read().GetFixed(x));
             return fixed;
@@ -221,11 +232,12 @@ void BindVertices(nb::class_<PyProblem>& problem) {
       .def(
           "eliminate",
           [](PyProblem& p, const VertexArray& v, bool on) {
-            ForAll(p, v, [&](AnyVertex x) { return p.write().SetEliminated(x, on); });
+            ForAll(
+                p, v, [&](AnyVertex x) { return p.write().SetEliminated(x, on); },
+                [&](std::size_t k) { (void)p.write().SetEliminated(v[k], !on); });
           },
           nb::arg("vertices"), nb::arg("eliminated") = true,
-          "Whether vertices are eliminated by the Schur complement; landmarks "
-          "are by default.");
+          "Whether vertices are eliminated by the Schur complement; landmarks are by default.");
 }
 
 }  // namespace glissade::python

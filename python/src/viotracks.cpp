@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Recordings with feature tracks, and their way through a window.
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,7 @@
 #include "errors.h"
 #include "glissade/io/replay.h"
 #include "imu.h"
+#include "problem.h"
 #include "window.h"
 
 namespace glissade::python {
@@ -27,8 +30,7 @@ void BindViotracks(nb::module_& m) {
       .def_prop_ro(
           "imu", [](const Viotracks& r) { return ArraysOf(r.imu); },
           nb::sig("def imu(self) -> tuple[numpy.typing.NDArray[numpy.int64], "
-                  "numpy.typing.NDArray[numpy.float64], "
-                  "numpy.typing.NDArray[numpy.float64]]"),
+                  "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]"),
           "stamps_ns, gyro, accel")
       .def_prop_ro("frame_stamps_ns",
                    [](const Viotracks& r) {
@@ -49,8 +51,7 @@ void BindViotracks(nb::module_& m) {
             const std::size_t n = stamps.size();
             return nb::make_tuple(Own(std::move(stamps)), Own(std::move(poses), {n, 7}));
           },
-          nb::sig("def ground_truth(self) -> "
-                  "tuple[numpy.typing.NDArray[numpy.int64], "
+          nb::sig("def ground_truth(self) -> tuple[numpy.typing.NDArray[numpy.int64], "
                   "numpy.typing.NDArray[numpy.float64]]"),
           "stamps_ns, poses (n, 7)")
       .def(
@@ -70,10 +71,8 @@ void BindViotracks(nb::module_& m) {
                                   Own(std::move(cameras)));
           },
           nb::arg("frame"),
-          nb::sig("def observations(self, frame: int) -> "
-                  "tuple[numpy.typing.NDArray[numpy.int64], "
-                  "numpy.typing.NDArray[numpy.float64], "
-                  "numpy.typing.NDArray[numpy.int64]]"),
+          nb::sig("def observations(self, frame: int) -> tuple[numpy.typing.NDArray[numpy.int64], "
+                  "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.int64]]"),
           "What frame k shows: tracks, uv (n, 2) [px], cameras.")
       .def(
           "options",
@@ -86,7 +85,8 @@ void BindViotracks(nb::module_& m) {
           },
           nb::arg("num_cameras") = 1000, "Options of a SlidingWindow for this recording.");
   m.def(
-      "read_viotracks", [](const std::string& folder) { return Unwrap(ReadViotracks(folder)); },
+      "read_viotracks",
+      [](const std::filesystem::path& folder) { return Unwrap(ReadViotracks(folder.string())); },
       nb::arg("folder"), "Reads a VIOTRACKS folder.");
   m.def(
       "replay",
@@ -106,22 +106,17 @@ void BindViotracks(nb::module_& m) {
           if (w.phase() != WindowPhase::kRunning) continue;
           stamps.push_back(w.newest().stamp_ns);
           poses.insert(poses.end(), w.newest().T_w_b.data, w.newest().T_w_b.data + 7);
-          if (!callback.is_none() && callback(nb::cast(w.newest())).is(nb::bool_(false))) break;
+          if (!callback.is_none() && SaysStop(callback(nb::cast(w.newest())))) break;
         }
         const std::size_t n = stamps.size();
         return nb::make_tuple(Own(std::move(stamps)), Own(std::move(poses), {n, 7}));
       },
       nb::arg("recording"), nb::arg("window"), nb::arg("callback") = nb::none(),
       nb::sig("def replay(recording: Viotracks, window: SlidingWindow, callback: "
-              "collections.abc.Callable[[WindowState], bool | None] | None = None) "
-              "-> "
-              "tuple[numpy.typing.NDArray[numpy.int64], "
-              "numpy.typing.NDArray[numpy.float64]]"),
-      "Hands a recording to a window in the order of time.\n\nReturns the "
-      "newest state after "
-      "every frame: stamps_ns (n,), poses (n, 7). callback: called with each, "
-      "stops by returning "
-      "False.");
+              "collections.abc.Callable[[WindowState], bool | None] | None = None) -> "
+              "tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]"),
+      "Hands a recording to a window in the order of time.\n\nReturns the newest state after every "
+      "frame: stamps_ns (n,), poses (n, 7). callback: called with each, stops by returning False.");
 }
 
 }  // namespace glissade::python

@@ -16,7 +16,8 @@ Weights::Weights(const std::optional<ArrayLike>& sqrt_information,
   }
   if (!sqrt_information && !information) return;
   is_sqrt_ = sqrt_information.has_value();
-  const ArrayLike& given = is_sqrt_ ? *sqrt_information : *information;
+  const char* name = is_sqrt_ ? "sqrt_information" : "information";
+  const Doubles given(is_sqrt_ ? *sqrt_information : *information, name);
   const std::size_t square = rows * rows;
   const bool diagonal = given.ndim() == 0 || (given.ndim() == 1 && given.dim(0) == rows);
   if (diagonal) {
@@ -31,7 +32,7 @@ Weights::Weights(const std::optional<ArrayLike>& sqrt_information,
       n == 3 && given.dim(0) == num_edges && given.dim(1) == rows && given.dim(2) == rows;
   if (!matrix && !one_each) {
     const std::string r = std::to_string(rows);
-    std::string message(is_sqrt_ ? "sqrt_information" : "information");
+    std::string message(name);
     message.append(" must be a number or have the shape (").append(r).append(",), (");
     message.append(r).append(", ").append(r).append(") or (");
     message.append(std::to_string(num_edges)).append(", ").append(r).append(", ");

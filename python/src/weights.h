@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,6 +29,10 @@ class Weights {
     is_sqrt_ = true;
   }
 
+  [[nodiscard]] bool is_finite() const {
+    return std::all_of(matrices_.begin(), matrices_.end(),
+                       [](double x) { return std::isfinite(x); });
+  }
   [[nodiscard]] bool is_identity() const { return matrices_.empty(); }
   [[nodiscard]] bool is_sqrt() const { return is_sqrt_; }
   [[nodiscard]] bool same_for_all() const { return matrices_.size() == rows_ * rows_; }

@@ -30,13 +30,16 @@ OutArray PoseArray(const Pose& T) {
 std::vector<FrameObservation> ObservationsFrom(const IndexLike& tracks, const ArrayLike& uv,
                                                const std::optional<IndexLike>& cameras) {
   const Rows pixels(uv, 2, "uv");
-  const std::size_t n = tracks.size();
+  const Integers track(tracks, "tracks");
+  const std::size_t n = track.size();
   pixels.Expect(n);
-  if (cameras && cameras->size() != n) throw nb::value_error("cameras must be as many as tracks");
+  std::optional<Integers> camera_of;
+  if (cameras) camera_of.emplace(*cameras, "cameras");
+  if (cameras && camera_of->size() != n) throw nb::value_error("cameras must be as many as tracks");
   std::vector<FrameObservation> out(n);
   for (std::size_t k = 0; k < n; ++k) {
-    out[k].track = tracks.data()[k];
-    const std::int64_t camera = cameras ? cameras->data()[k] : 0;
+    out[k].track = track.data()[k];
+    const std::int64_t camera = cameras ? camera_of->data()[k] : 0;
     // What no int holds is no camera: the window counts it as refused.
     out[k].camera = camera >= 0 && camera < 1000 ? static_cast<int>(camera) : -1;
     out[k].u = pixels[k][0];
@@ -45,23 +48,56 @@ std::vector<FrameObservation> ObservationsFrom(const IndexLike& tracks, const Ar
   return out;
 }
 
+int AtLeast(int number, int least, const char* name) {
+  if (number >= least) return number;
+  throw nb::value_error(std::string(name)
+                            .append(" must be ")
+                            .append(std::to_string(least))
+                            .append(" or more")
+                            .c_str());
+}
+
 void BindPolicies(nb::module_& m) {
   nb::class_<WindowPolicy>(m, "WindowPolicy", "Which frames stay in a window.");
-  nb::class_<OkvisPolicy, WindowPolicy>(m, "OkvisPolicy",
-                                        "The newest frames, and keyframes with poses only "
-                                        "(Leutenegger et al., IJRR 2015).")
-      .def(nb::init<int, int>(), nb::arg("num_frames") = 3, nb::arg("num_keyframes") = 7);
+  nb::class_<OkvisPolicy, WindowPolicy>(
+      m, "OkvisPolicy",
+      "The newest frames, and keyframes with poses only (Leutenegger et al., IJRR 2015).")
+      .def(
+          "__init__",
+          [](OkvisPolicy* self, int frames, int keyframes) {
+            new (self) OkvisPolicy(AtLeast(frames, 2, "num_frames"),
+                                   AtLeast(keyframes, 1, "num_keyframes"));
+          },
+          nb::arg("num_frames") = 3, nb::arg("num_keyframes") = 7);
   nb::class_<TwoWayPolicy, WindowPolicy>(m, "TwoWayPolicy",
                                          "Two-way marginalization (Qin, Li, Shen, TRO 2018).")
-      .def(nb::init<int>(), nb::arg("num_frames") = 10);
+      .def(
+          "__init__",
+          [](TwoWayPolicy* self, int frames) {
+            new (self) TwoWayPolicy(AtLeast(frames, 3, "num_frames"));
+          },
+          nb::arg("num_frames") = 10);
   nb::class_<LeastSeenKeyframePolicy, WindowPolicy>(
       m, "LeastSeenKeyframePolicy",
-      "As OKVIS, the least seen keyframe goes (Usenko et al., RA-L "
-      "2020).")
-      .def(nb::init<int, int, double>(), nb::arg("num_frames") = 3, nb::arg("num_keyframes") = 7,
-           nb::arg("min_seen_share") = 0.1);
+      "As OKVIS, the least seen keyframe goes (Usenko et al., RA-L 2020).")
+      .def(
+          "__init__",
+          [](LeastSeenKeyframePolicy* self, int frames, int keyframes, double share) {
+            if (!(share >= 0.0 && share <= 1.0)) {
+              throw nb::value_error("min_seen_share must be from 0 to 1");
+            }
+            new (self) LeastSeenKeyframePolicy(AtLeast(frames, 2, "num_frames"),
+                                               AtLeast(keyframes, 1, "num_keyframes"), share);
+          },
+          nb::arg("num_frames") = 3, nb::arg("num_keyframes") = 7, nb::arg("min_seen_share") = 0.1);
   nb::class_<FixedLagPolicy, WindowPolicy>(m, "FixedLagPolicy", "The last so many seconds.")
-      .def(nb::init<double>(), nb::arg("lag_s") = 1.0);
+      .def(
+          "__init__",
+          [](FixedLagPolicy* self, double lag) {
+            if (!(lag > 0.0)) throw nb::value_error("lag_s must be > 0");
+            new (self) FixedLagPolicy(lag);
+          },
+          nb::arg("lag_s") = 1.0);
 }
 
 void BindWindowOptions(nb::module_& m) {
@@ -71,7 +107,7 @@ void BindWindowOptions(nb::module_& m) {
           [](WindowCamera* self, double fx, double fy, double cx, double cy, double sigma_px,
              const std::optional<ArrayLike>& T_b_c) {
             new (self) WindowCamera{fx, fy, cx, cy, sigma_px, Pose()};
-            if (T_b_c) self->T_b_c = PoseFrom(Rows(*T_b_c, 7, "T_body_camera")[0]);
+            if (T_b_c) self->T_b_c = PoseFrom(OneRow(*T_b_c, 7, "T_body_camera").data());
           },
           nb::arg("fx") = 1.0, nb::arg("fy") = 1.0, nb::arg("cx") = 0.0, nb::arg("cy") = 0.0,
           nb::arg("sigma_px") = 1.0, nb::arg("T_body_camera") = nb::none())
@@ -84,9 +120,14 @@ void BindWindowOptions(nb::module_& m) {
   using Options = SlidingWindowOptions;
   nb::class_<Options>(m, "SlidingWindowOptions", "What a SlidingWindow is told once.")
       .def(nb::init<>())
-      .def_rw("cameras", &Options::cameras)
-      .def_rw("imu_noise", &Options::imu_noise, nb::arg().none(),
-              "None: no IMU; needs two cameras then")
+      .def_prop_rw(
+          "cameras", [](const Options& o) { return o.cameras; },
+          [](Options& o, const std::vector<WindowCamera>& cameras) { o.cameras = cameras; },
+          "A list: assign it, what is read are copies.")
+      .def_prop_rw(
+          "imu_noise", [](const Options& o) { return o.imu_noise; },
+          [](Options& o, const std::optional<ImuNoise>& noise) { o.imu_noise = noise; },
+          nb::arg("noise").none(), "None: no IMU; needs two cameras then. What is read is a copy.")
       .def_rw("gravity", &Options::gravity, "m/s^2; the world's z axis points up")
       .def_rw("policy", &Options::policy, nb::arg().none(), "which frames stay")
       .def_rw("first_estimates", &Options::first_estimates)
@@ -127,16 +168,13 @@ void BindWindow(nb::module_& m) {
           [](const WindowState& s) {
             return Own(std::vector<double>(s.speed_bias.Data(), s.speed_bias.Data() + 9), {9});
           },
-          "(9,): velocity, accelerometer bias, gyroscope bias; zero without an "
-          "IMU");
-  nb::class_<PyWindow>(m, "SlidingWindow",
-                       "A sliding-window estimator: frames, IMU samples and tracked features go "
-                       "in, "
-                       "the newest state comes out, at bounded cost.\n\n"
-                       "    window.add_imu(stamps_ns, gyro, accel)   # up to the frame's stamp\n"
-                       "    window.add_frame(stamp_ns, tracks, uv)\n"
-                       "    window.optimize()\n"
-                       "    if window.running: use(window.newest)")
+          "(9,): velocity, accelerometer bias, gyroscope bias; zero without an IMU");
+  nb::class_<PyWindow>(
+      m, "SlidingWindow",
+      "A sliding-window estimator: frames, IMU samples and tracked features go in, the newest "
+      "state comes out, at bounded cost.\n\n    window.add_imu(stamps_ns, gyro, accel)   # up to "
+      "the frame's stamp\n    window.add_frame(stamp_ns, tracks, uv)\n    window.optimize()\n    "
+      "if window.running: use(window.newest)")
       .def(nb::init<const SlidingWindowOptions&>(), nb::arg("options"))
       .def(
           "add_imu",
@@ -145,8 +183,7 @@ void BindWindow(nb::module_& m) {
             Check(w.Work([&](SlidingWindow& x) { return x.AddImu(samples); }));
           },
           nb::arg("stamps_ns"), nb::arg("gyro"), nb::arg("accel"),
-          "Takes all samples that make sense; raises for the first that does "
-          "not.\n\nstamps_ns: "
+          "Takes all samples that make sense; raises for the first that does not.\n\nstamps_ns: "
           "(n,). gyro: (n, 3) [rad/s]. accel: (n, 3), specific force [m/s^2].")
       .def(
           "add_frame",
@@ -157,10 +194,8 @@ void BindWindow(nb::module_& m) {
           },
           nb::arg("stamp_ns"), nb::arg("tracks"), nb::arg("uv"), nb::arg("cameras") = nb::none(),
           nb::arg("keyframe") = KeyframeChoice::kByRules,
-          "A frame later than the last one.\n\ntracks: (n,) the same number in "
-          "all images that "
-          "show the same point. uv: (n, 2), undistorted pixels. cameras: (n,), "
-          "0 where not given.")
+          "A frame later than the last one.\n\ntracks: (n,) the same number in all images that "
+          "show the same point. uv: (n, 2), undistorted pixels. cameras: (n,), 0 where not given.")
       .def(
           "optimize",
           [](PyWindow& w, int max_iterations, double max_time_s) {
@@ -177,8 +212,8 @@ void BindWindow(nb::module_& m) {
              double tilt, double speed, double accel_bias, double gyro_bias) {
             WindowState state;
             state.stamp_ns = stamp_ns;
-            state.T_w_b = PoseFrom(Rows(pose, 7, "pose")[0]);
-            std::copy_n(Rows(speed_bias, 9, "speed_bias")[0], 9, state.speed_bias.Data());
+            state.T_w_b = PoseFrom(OneRow(pose, 7, "pose").data());
+            std::copy_n(OneRow(speed_bias, 9, "speed_bias").data(), 9, state.speed_bias.Data());
             Check(w.get().Start(state, {tilt, speed, accel_bias, gyro_bias}));
           },
           nb::arg("stamp_ns"), nb::arg("pose"), nb::arg("speed_bias"), nb::kw_only(),
@@ -186,8 +221,7 @@ void BindWindow(nb::module_& m) {
           nb::arg("speed_sigma") = InitialSigmas().speed,
           nb::arg("accel_bias_sigma") = InitialSigmas().accel_bias,
           nb::arg("gyro_bias_sigma") = InitialSigmas().gyro_bias,
-          "Begins at a state that is known, with standard deviations of each "
-          "coordinate.")
+          "Begins at a state that is known, with standard deviations of each coordinate.")
       .def(
           "reset", [](PyWindow& w) { Check(w.get().Reset()); },
           "Begins anew at the newest state, without landmarks and prior.")
@@ -227,8 +261,7 @@ void BindWindow(nb::module_& m) {
             Check(w.Work([&](SlidingWindow& x) { return x.NewestCovariance(covariance); }));
             return Own(std::move(covariance), {n, n});
           },
-          "Of the newest state, (15, 15): pose [dp, dtheta], velocity, biases; "
-          "(6, 6) without an "
+          "Of the newest state, (15, 15): pose [dp, dtheta], velocity, biases; (6, 6) without an "
           "IMU. Position and yaw of the window's oldest frame are certain.")
       .def(
           "events", [](PyWindow& w) { return Counts(w.get().total_events()); },

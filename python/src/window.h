@@ -8,6 +8,7 @@
 
 #include "errors.h"
 #include "glissade/window/sliding_window.h"
+#include "unlocked.h"
 
 namespace glissade::python {
 
@@ -37,7 +38,7 @@ class PyWindow {
       std::atomic<bool>& busy;
       ~Done() { busy = false; }
     } done{busy_};
-    nb::gil_scoped_release release;
+    const Unlocked unlocked;
     return f(window);
   }
 
