@@ -30,6 +30,9 @@ class EdgeKind:
     to its tangent: of a pose [dp (world axes), dtheta (body axes)], 6; of all other types the
     numbers themselves. Without it, differences are taken: two calls of residual() for each number of
     each tangent. Problem.check_jacobian() compares the two.
+
+    A kind that keeps its problem (self.problem = problem) is never freed: keep a weakref, or hand over
+    what is needed as data.
     """
 
     residual_dim: int = 0
