@@ -40,12 +40,14 @@ def programs(app):
 
 def index_of(app):
     """{what one writes: (page, anchor)}."""
-    places, short = dict(programs(app)), collections.defaultdict(set)
+    places, short, types = dict(programs(app)), collections.defaultdict(set), set()
     for header, entities in doxygen_xml.headers(app.config.doxygen_xml).items():
         page = f"reference/cpp/{header.split('/')[1].removesuffix('.h')}"
         places[header] = places[header.removeprefix("glissade/")] = (page, cpp_reference.header_anchor(header))
         for entity in walk(entities):
             places.setdefault(entity.name, (page, entity.anchor))
+            if entity.kind not in ("function", "variable"):
+                types.add(entity.name)
             if "::" in entity.name:
                 short[entity.name.rpartition("::")[2]].add(entity.name)
     for name, entity in python_reference.names(app.config.python_package).items():
@@ -58,8 +60,10 @@ def index_of(app):
         # In Python a member's name alone is mostly that of an argument.
         only = [owner for owner in owners if len(owners) == 1 and "." not in owner]
         meant = [f"{kind}{dot}{name}" for kind in MEANT for dot in ("::", ".") if f"{kind}{dot}{name}" in owners]
-        if only or meant:
-            places.setdefault(name, places[(only or meant)[0]])
+        if meant and name not in types:
+            places[name] = places[meant[0]]  # Problem::Solve, not the function that it calls
+        elif only:
+            places.setdefault(name, places[only[0]])
     return places
 
 
