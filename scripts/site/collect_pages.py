@@ -107,12 +107,11 @@ def python_pages(target, package):
 def program_pages(target, folder):
     """Of what each says with --help, by the script that makes the manual pages of it."""
     names = [path.stem for path in (ROOT / "app").glob("*.cpp") if folder and (folder / path.stem).is_file()]
-    script = ROOT / "scripts/make_man.py"
-    if not names or not script.is_file():
+    if not names:
         write(target / "index.md", "# Programs\n\nThis build of the site found none of the programs, whose help stands "
               "here: build them first, or name their folder.\n")
         return []
-    subprocess.run([sys.executable, script, "--markdown", target, folder], check=True)
+    subprocess.run([sys.executable, ROOT / "scripts/make_man.py", "--markdown", target, folder], check=True)
     made = sorted(path.stem for path in target.glob("*.md") if path.stem != "index")
     with open(target / "index.md", "a", encoding="utf-8") as index:
         index.write(toctree(made))

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 The glissade authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Names in `code` that the reference knows lead to it: `SolveOptions::max_iterations`, `SetFixed`,
-`Huber{1.0}`, `problem.add_poses()`, `vio_replay --batch`. A name that several have leads nowhere, unless one of them is the
-one that people mean."""
+`Huber{1.0}`, `problem.add_poses()`, `vio_replay --batch`. Of a name that several have the first of MEANT is meant,
+or none."""
 
 import collections
 import pathlib
@@ -40,12 +40,14 @@ def programs(app):
 
 def index_of(app):
     """{what one writes: (page, anchor)}."""
-    places, short = dict(programs(app)), collections.defaultdict(set)
+    places, short, types = dict(programs(app)), collections.defaultdict(set), set()
     for header, entities in doxygen_xml.headers(app.config.doxygen_xml).items():
         page = f"reference/cpp/{header.split('/')[1].removesuffix('.h')}"
         places[header] = places[header.removeprefix("glissade/")] = (page, cpp_reference.header_anchor(header))
         for entity in walk(entities):
             places.setdefault(entity.name, (page, entity.anchor))
+            if entity.kind not in ("function", "variable"):
+                types.add(entity.name)
             if "::" in entity.name:
                 short[entity.name.rpartition("::")[2]].add(entity.name)
     for name, entity in python_reference.names(app.config.python_package).items():
@@ -53,11 +55,15 @@ def index_of(app):
         if "." in name:
             short[name.rpartition(".")[2]].add(name)
     for name, owners in short.items():
+        if name in TOO_PLAIN:
+            continue
         # In Python a member's name alone is mostly that of an argument.
-        meant = [owner for owner in owners if len(owners) == 1 and "." not in owner or
-                 re.split(r"::|\.", owner)[0] in MEANT]
-        if len(meant) == 1 and name not in TOO_PLAIN:
-            places.setdefault(name, places[meant[0]])
+        only = [owner for owner in owners if len(owners) == 1 and "." not in owner]
+        meant = [f"{kind}{dot}{name}" for kind in MEANT for dot in ("::", ".") if f"{kind}{dot}{name}" in owners]
+        if meant and name not in types:
+            places[name] = places[meant[0]]  # Problem::Solve, not the function that it calls
+        elif only:
+            places.setdefault(name, places[only[0]])
     return places
 
 
