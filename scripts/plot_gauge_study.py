@@ -126,7 +126,7 @@ def plot_covariance(covariance, title):
     matrices = {name: largest_of_blocks(covariance[f"log10_{name}"])
                 for name in ("free", "transformed", "fixed", "difference")}
     top = max(float(np.log10(matrices[name].max())) for name in ("free", "transformed", "fixed"))
-    figure, axes = plt.subplots(1, 4, figsize=(14.4, 4.2), layout="constrained")
+    figure, axes = plt.subplots(1, 4, figsize=(14.4, 3.9), layout="constrained")
     titles = ("free (pseudo-inverse)", "free, transformed", "fixed", "transformed less fixed")
     for ax, (name, values), label in zip(axes, matrices.items(), titles):
         last = name == "difference"
