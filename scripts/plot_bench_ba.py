@@ -17,27 +17,29 @@
 Several results may be given: runs of one problem are put together. The best cost is the least that any
 solver has come to, audited.
 
-Needs numpy and matplotlib (Debian, Ubuntu: python3-matplotlib).
+Needs the Python package with matplotlib (pip install ".[plot]").
 """
 
 import argparse
 import json
 import math
 import pathlib
-import sys
 
+from plot_util import fail, np, plot, plt, save
+
+C = plot.colors
 TOLERANCES = (1e-1, 1e-2, 1e-3)
-# Ours blue to green, Ceres's red to yellow.
+# Ours blue, Ceres's red and yellow; lines tell the solvers of a family apart.
+LIGHT_BLUE = "#6699cc"
 STYLES = {
-    "glissade-auto": ("#1f5fa8", "-"), "glissade-dense": ("#5a8fd0", ":"), "glissade-sparse": ("#5a8fd0", "--"),
-    "glissade-pcg": ("#2a8a4a", "-"), "glissade-pcg-cluster": ("#2a8a4a", "--"),
-    "glissade-implicit": ("#1fa8a0", "-"), "glissade-implicit-cluster": ("#1fa8a0", "--"),
-    "glissade-implicit-power": ("#1fa8a0", ":"),
-    "ceres-dense": ("#803030", ":"), "ceres-dense-lapack": ("#803030", "-."), "ceres-sparse": ("#c03028", "--"),
-    "ceres-iterative": ("#e07a20", "-"), "ceres-iterative-explicit": ("#e07a20", "--"),
-    "ceres-iterative-cluster": ("#c0a020", "-"),
+    "glissade-auto": (C.BLUE, "-"), "glissade-dense": (C.BLUE, ":"), "glissade-sparse": (C.BLUE, "--"),
+    "glissade-pcg": (LIGHT_BLUE, "-"), "glissade-pcg-cluster": (LIGHT_BLUE, "--"),
+    "glissade-implicit": (C.GREY, "-"), "glissade-implicit-cluster": (C.GREY, "--"),
+    "glissade-implicit-power": (C.GREY, ":"),
+    "ceres-dense": (C.RED, ":"), "ceres-dense-lapack": (C.RED, "-."), "ceres-sparse": (C.RED, "-"),
+    "ceres-iterative": (C.YELLOW, "-"), "ceres-iterative-explicit": (C.YELLOW, "--"),
+    "ceres-iterative-cluster": (C.YELLOW, ":"),
 }
-GREY = "#707070"
 
 
 # ---- Results -------------------------------------------------------------------------------------
@@ -90,15 +92,8 @@ def order(names):
     return sorted(names, key=lambda name: (known.index(name) if name in STYLES else len(known), name))
 
 
-def plain_ticks(axis, ticker):
-    """Of an axis of few decades: 1, 2, 5, 10 as such."""
-    axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5), numticks=12))
-    axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
-    axis.set_minor_locator(ticker.NullLocator())
-
-
 # ---- Pictures ------------------------------------------------------------------------------------
-def draw_profile(problems, path, plt):
+def draw_profile(problems):
     names = order({name for problem in problems.values() for name in problem["runs"]})
     figure, axes = plt.subplots(1, len(TOLERANCES), figsize=(13, 4.2), sharey=True, layout="constrained")
     for axis, tolerance in zip(axes, TOLERANCES):
@@ -115,19 +110,19 @@ def draw_profile(problems, path, plt):
             solved = sorted(r for r in ratios[name] if r < math.inf)
             x = [1.0] + [value for r in solved for value in (r, r)] + [right]
             y = [0.0] + [value for k in range(len(solved)) for value in (k, k + 1)] + [len(solved)]
-            color, line = STYLES.get(name, (GREY, "-"))
+            color, line = STYLES.get(name, (C.GREY, "-"))
             axis.plot(x, [100 * value / len(problems) for value in y], line, color=color, label=name,
                       lw=2.4 if name == "glissade-auto" else 1.4)
         axis.set(xscale="log", xlim=(1, right), ylim=(-2, 104), xlabel="time over that of the fastest",
                  title=f"within {tolerance:g} of (initial - best)")
-        plain_ticks(axis.xaxis, plt.matplotlib.ticker)
-        axis.grid(alpha=0.3)
+        plot.plain_ticks(axis, "x")
+        plot.finish(axis)
     axes[0].set_ylabel(f"of {len(problems)} problems [%]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right center", fontsize=8)
-    figure.savefig(path, dpi=90)
+    return figure
 
 
-def draw_cost(problems, path, plt):
+def draw_cost(problems):
     columns = min(3, len(problems))
     rows = -(-len(problems) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(4.6 * columns, 3.4 * rows + 0.3), squeeze=False,
@@ -145,22 +140,22 @@ def draw_cost(problems, path, plt):
                 y.append(max((cost - problem["best"]) / scale, 1e-7))
                 if y[-1] < 1e-6:  # below is what stopping rules are for
                     break
-            color, line = STYLES.get(solver, (GREY, "-"))
+            color, line = STYLES.get(solver, (C.GREY, "-"))
             handles[solver], = axis.plot(x, y, line, color=color, label=solver, marker=".", markersize=3,
                                          lw=2.2 if solver == "glissade-auto" else 1.2)
         axis.set(xscale="log", yscale="log", ylim=(1e-6, 2), xlabel="time since the solve began [s]",
                  ylabel="(cost - best) / (initial - best)", title=f"{name}: {problem['observations']} observations")
         axis.title.set_fontsize(9)
-        plain_ticks(axis.xaxis, plt.matplotlib.ticker)
-        axis.grid(alpha=0.3)
+        plot.plain_ticks(axis, "x")
+        plot.finish(axis)
     for axis in axes.flat[len(problems):]:
         axis.set_axis_off()
     names = order(handles)
     figure.legend([handles[name] for name in names], names, loc="outside right center", fontsize=8)
-    figure.savefig(path, dpi=90)
+    return figure
 
 
-def draw_growth(problems, path, np, plt):
+def draw_growth(problems):
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
     names = order({name for problem in problems.values() for name in problem["runs"]})
     for axis, what, unit in ((axes[0], "time of a step", "s"), (axes[1], "peak memory", "MiB")):
@@ -177,16 +172,16 @@ def draw_growth(problems, path, np, plt):
                 continue
             x, y = np.array(points).T
             slope, offset = np.polyfit(np.log(x), np.log(y), 1)
-            color, line = STYLES.get(name, (GREY, "-"))
+            color, line = STYLES.get(name, (C.GREY, "-"))
             axis.plot(x, np.exp(offset) * x ** slope, ":", color=color, lw=1)
             axis.plot(x, y, line, color=color, marker="o", markersize=4, label=f"{name}: n^{slope:.2f}")
             print(f"{what}, {name}: n^{slope:.3f}; " +
                   ", ".join(f"{int(n)}: {value:.4g} {unit}" for n, value in points))
         axis.set(xscale="log", yscale="log", xlabel="observations", ylabel=f"{what} [{unit}]")
-        plain_ticks(axis.yaxis, plt.matplotlib.ticker)
-        axis.grid(alpha=0.3)
+        plot.plain_ticks(axis)
+        plot.finish(axis)
         axis.legend(fontsize=9)
-    figure.savefig(path, dpi=90)
+    return figure
 
 
 def main():
@@ -196,27 +191,15 @@ def main():
     parser.add_argument("--growth", nargs="+", default=[], metavar="RESULT", help="results for the growth")
     args = parser.parse_args()
     try:
-        import matplotlib
-        import numpy as np
-    except ImportError as error:
-        print(f"plot_bench_ba.py: {error} (Debian, Ubuntu: python3-matplotlib)", file=sys.stderr)
-        return 2
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    try:
-        problems = merged(args.results)
-        growth = merged(args.growth)
+        problems, growth = merged(args.results), merged(args.growth)
     except (OSError, ValueError, KeyError) as error:
-        print(f"plot_bench_ba.py: {error}", file=sys.stderr)
-        return 2
+        fail(error)
     if problems:
-        draw_profile(problems, args.folder / "bench_ba_profile.png", plt)
-        draw_cost(problems, args.folder / "bench_ba_cost.png", plt)
+        save(draw_profile(problems), args.folder / "bench_ba_profile.png", dpi=90)
+        save(draw_cost(problems), args.folder / "bench_ba_cost.png", dpi=90)
     if growth:
-        draw_growth(growth, args.folder / "bench_ba_growth.png", np, plt)
-    return 0
+        save(draw_growth(growth), args.folder / "bench_ba_growth.png", dpi=90)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

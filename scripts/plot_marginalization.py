@@ -12,166 +12,108 @@
     marginal_study --json study.json
     scripts/plot_marginalization.py study.json docs/images
 
-Needs numpy and matplotlib (Debian, Ubuntu: python3-matplotlib).
+Needs the Python package with matplotlib (pip install ".[plot]").
 """
 
 import argparse
-import json
+import itertools
 import pathlib
-import sys
 
-BLUE, RED, GREEN, GREY = "#1f5fa8", "#c03028", "#2a8a4a", "#707070"
+from plot_util import fail, np, plot, plt, read_json, save
+
+C = plot.colors
 # Gauge, mode, label, color, line.
-WALKS = (("free", "off", "kOff, free", RED, "-"),
-         ("free", "prior_only", "kPriorOnly, free", "#d08020", "-"),
-         ("fixed", "prior_only", "kPriorOnly, oldest keyframe held", "#d08020", "--"),
-         ("free", "full", "kFull, free", BLUE, "-"))
-
-
-def scaled(matrix, np):
-    """Unit diagonal: rows and columns in units of their own information."""
-    diagonal = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    return matrix / np.outer(diagonal, diagonal)
-
-
-def label_axes(axis, groups):
-    """Names of groups of variables at their rows and columns, and lines between them."""
-    position, middles = 0, []
-    for group in groups:
-        middles.append(position + 0.5 * group["size"] - 0.5)
-        if position > 0:
-            for line in (axis.axhline, axis.axvline):
-                line(position - 0.5, color=GREY, lw=0.5)
-        position += group["size"]
-    names = [group["name"] for group in groups]
-    axis.set_yticks(middles, names)
-    axis.set_xticks(middles, names, rotation=40, ha="right", rotation_mode="anchor")
-    axis.tick_params(labelsize=8, length=2)
+WALKS = (("free", "off", "kOff, free", C.RED, "-"),
+         ("free", "prior_only", "kPriorOnly, free", C.YELLOW, "-"),
+         ("fixed", "prior_only", "kPriorOnly, oldest keyframe held", C.YELLOW, "--"),
+         ("free", "full", "kFull, free", C.BLUE, "-"))
+PLURALS = {"pose": "poses", "speed, biases": "speeds, biases"}
+ROUNDING = 1e-12  # H is known to rounding only: below this a value has no meaning but "none"
 
 
 def merged(groups):
-    """Poses next to each other as one group, speeds and biases next to each other as one."""
+    """Poses next to each other as one group, speeds and biases next to each other as one: names and sizes."""
     result = []
-    for group in groups:
-        kind = group["name"].rsplit(" ", 1)[0] if group["name"] != "points" else "points"
-        if result and result[-1]["kind"] == kind:
-            result[-1]["size"] += group["size"]
-            result[-1]["count"] += 1
-        else:
-            result.append({"kind": kind, "size": group["size"], "count": 1})
-    words = {"pose": ("pose", "poses"), "speed, biases": ("speed, biases", "speeds, biases"),
-             "points": ("points", "points")}
-    return [{"name": words[g["kind"]][g["count"] > 1], "size": g["size"]} for g in result]
+    for kind, run in itertools.groupby(groups, key=lambda group: group["name"].rstrip("0123456789 ")):
+        members = list(run)
+        name = PLURALS.get(kind, kind) if len(members) > 1 else kind
+        result.append((name, sum(group["size"] for group in members)))
+    return result
 
 
-def draw_matrices(data, path, np, plt):
-    matrices = {name: np.array(data["matrices"][name]) for name in ("before", "moved", "after")}
-    going, groups = data["matrices"]["going"], data["matrices"]["groups"]
+def draw_matrices(data):
+    groups, going = data["groups"], data["going"]
     points = sum(g["size"] for g in groups["going"] if g["name"] == "points")
-    goes = [{"name": "oldest keyframe", "size": going - points},
-            {"name": "its points", "size": points}]
-    labels = {"before": merged(groups["before"]), "moved": goes + merged(groups["staying"]),
-              "after": merged(groups["staying"])}
+    panels = (("before", "the window as it is", merged(groups["before"])),
+              ("moved", "what goes moved first",
+               [("oldest keyframe", going - points), ("its points", points)] + merged(groups["staying"])),
+              ("after", "what stays, after the marginalization", merged(groups["staying"])))
     figure, axes = plt.subplots(1, 3, figsize=(14.5, 5.2), layout="constrained")
-    titles = {
-        "before": "the window as it is",
-        "moved": "what goes moved first",
-        "after": "what stays, after the marginalization",
-    }
-    for axis, (name, matrix) in zip(axes, matrices.items()):
-        magnitude = np.log10(np.maximum(np.abs(scaled(matrix, np)), 1e-6))
-        magnitude[np.abs(matrix) == 0.0] = np.nan
-        image = axis.imshow(magnitude, cmap="viridis", vmin=-6, vmax=0, interpolation="nearest")
-        axis.set_title(f"{titles[name]}: {matrix.shape[0]} variables", fontsize=10)
-        axis.set_facecolor("white")
-        label_axes(axis, labels[name])
+    for ax, (name, title, labels) in zip(axes, panels):
+        matrix = plot.scaled_to_unit_diagonal(data[name])
+        plot.matrix(matrix, labels, top=0.0, title=f"{title}: {len(matrix)} variables", colorbar=False, ax=ax)
         if name == "moved":
-            for line in (axis.axhline, axis.axvline):
-                line(going - 0.5, color=RED, lw=1.2)
-    bar = figure.colorbar(image, ax=axes, fraction=0.018, pad=0.02)
-    bar.set_label("log10 of |H_ij| / sqrt(H_ii H_jj); white: zero", fontsize=9)
-    figure.savefig(path, dpi=130, bbox_inches="tight")
-    plt.close(figure)
+            ax.axhline(going - 0.5, color=C.RED, lw=1.4)
+            ax.axvline(going - 0.5, color=C.RED, lw=1.4)
+    figure.colorbar(axes[0].images[0], ax=axes, fraction=0.018, pad=0.02,
+                    label="log$_{10}$ |H$_{ij}$| / (H$_{ii}$ H$_{jj}$)$^{1/2}$; white: zero")
+    return figure
 
 
-def draw_eigenvalues(data, path, np, plt):
-    figure, axis = plt.subplots(figsize=(7.0, 4.2))
-    for name, label, color, marker in (("before", "before", GREY, "o"),
-                                       ("after", "after", BLUE, "x")):
-        values = np.linalg.eigvalsh(scaled(np.array(data["matrices"][name]), np))
-        values = np.maximum(np.abs(values), 1e-20)
-        axis.semilogy(np.arange(1, len(values) + 1), np.sort(values), marker, ms=3, color=color,
-                      label=f"{label}: {len(values)} variables")
-    axis.axhspan(1e-20, 1e-13, color="#f0d0d0", zorder=0)
-    axis.text(0.98, 0.04, "rounding: the four directions that nothing observes",
-              transform=axis.transAxes, ha="right", fontsize=9, color=RED)
-    axis.set_xlabel("eigenvalue number")
-    axis.set_ylabel("eigenvalue of H scaled to a unit diagonal")
-    axis.set_ylim(1e-19, 20)
-    axis.grid(True, which="major", lw=0.3)
-    axis.legend(loc="center right", fontsize=9)
-    figure.savefig(path, dpi=130, bbox_inches="tight")
-    plt.close(figure)
+def draw_eigenvalues(data):
+    figure, ax = plt.subplots(figsize=(7.0, 4.2), layout="constrained")
+    for name, color, marker in (("before", C.GREY, "o"), ("after", C.BLUE, "x")):
+        values = np.abs(np.linalg.eigvalsh(plot.scaled_to_unit_diagonal(data[name])))
+        ax.semilogy(np.arange(1, len(values) + 1), np.sort(np.maximum(values, 1e-20)), marker, ms=3, color=color,
+                    label=f"{name}: {len(values)} variables")
+    ax.axhspan(1e-20, 1e-13, color="#f0d8dc", zorder=0)
+    ax.text(0.98, 0.04, "rounding: the four directions that nothing observes", transform=ax.transAxes, ha="right",
+            fontsize=9, color=C.RED)
+    ax.set_ylim(1e-19, 20)
+    ax.legend(loc="center right", fontsize=9)
+    plot.finish(ax, "eigenvalue number", "eigenvalue of H scaled to a unit diagonal")
+    return figure
 
 
-def draw_yaw(data, path, np, plt):
+def draw_yaw(walk):
     figure, axes = plt.subplots(1, 2, figsize=(12.0, 4.4), layout="constrained")
-    rounding = 1e-12  # H is known to rounding only: below this a value has no meaning but "none"
-    for number, (gauge, mode, label, color, style) in enumerate(WALKS):
-        rows = data["walk"][gauge][mode]
+    for number, (gauge, mode, label, color, line) in enumerate(WALKS):
+        rows = walk[gauge][mode]
         frames = np.array([row["frame"] for row in rows])
         kappa = np.array([row["kappa_yaw"] for row in rows])
-        seen = kappa > rounding
+        seen = kappa > ROUNDING
         if np.any(seen):
-            axes[0].semilogy(frames, np.where(seen, kappa, np.nan), style, color=color,
-                             label=label, lw=1.5)
+            axes[0].semilogy(frames, np.where(seen, kappa, np.nan), line, color=color, label=label, lw=1.5)
         # No line through zeros: a mark for each, one row of marks a mode.
-        height = rounding * 10 ** (-0.8 - 0.7 * number)
+        height = ROUNDING * 10 ** (-0.8 - 0.7 * number)
         axes[0].plot(frames[~seen], np.full(np.sum(~seen), height), ".", color=color, ms=4,
                      label=None if np.any(seen) else label)
-        turned = np.array([row["yaw_since_linearized_deg"] for row in rows])
-        axes[1].plot(frames, turned, style, color=color, label=label, lw=1.5)
-    axes[0].axhspan(rounding * 1e-4, rounding, color="#e8f0e8", zorder=0)
-    axes[0].text(0.02, 0.02, "rounding: no yaw is claimed", transform=axes[0].transAxes, fontsize=9,
-                 color=GREEN)
-    axes[0].set_ylim(rounding * 1e-4, 1e-1)
-    axes[0].set_ylabel("kappa = u'Hu / sum of u_k'H_kk u_k")
+        axes[1].plot(frames, [row["yaw_since_linearized_deg"] for row in rows], line, color=color, label=label, lw=1.5)
+    axes[0].axhspan(ROUNDING * 1e-4, ROUNDING, color="#eeeeee", zorder=0)
+    axes[0].text(0.02, 0.02, "rounding: no yaw is claimed", transform=axes[0].transAxes, fontsize=9)
+    axes[0].set_ylim(ROUNDING * 1e-4, 1e-1)
     axes[0].set_title("information about yaw, after each marginalization", fontsize=10)
-    axes[1].set_ylabel("degrees about the vertical")
     axes[1].set_title("turn of the oldest keyframe since its linearization", fontsize=10)
-    for axis in axes:
-        axis.set_xlabel("keyframe")
-        axis.grid(True, which="major", lw=0.3)
+    plot.finish(axes[0], "keyframe", "kappa = u'Hu / sum of u_k'H_kk u_k")
+    plot.finish(axes[1], "keyframe", "degrees about the vertical")
     axes[0].legend(loc="upper right", fontsize=8, ncols=2)
-    figure.savefig(path, dpi=130, bbox_inches="tight")
-    plt.close(figure)
+    return figure
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("json", type=pathlib.Path, help="of marginal_study")
     parser.add_argument("folder", type=pathlib.Path, help="where the pictures go")
-    arguments = parser.parse_args()
+    args = parser.parse_args()
+    data = read_json(args.json)
     try:
-        import matplotlib
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-        import numpy as np
-    except ImportError as error:
-        print(f"plot_marginalization.py: {error} (Debian, Ubuntu: python3-matplotlib)",
-              file=sys.stderr)
-        return 2
-    try:
-        data = json.loads(arguments.json.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        print(f"plot_marginalization.py: {arguments.json}: {error}", file=sys.stderr)
-        return 2
-    arguments.folder.mkdir(parents=True, exist_ok=True)
-    draw_matrices(data, arguments.folder / "marginalization_matrix.png", np, plt)
-    draw_eigenvalues(data, arguments.folder / "marginalization_eigenvalues.png", np, plt)
-    draw_yaw(data, arguments.folder / "marginalization_yaw.png", np, plt)
-    return 0
+        pictures = {"matrix": draw_matrices(data["matrices"]), "eigenvalues": draw_eigenvalues(data["matrices"]),
+                    "yaw": draw_yaw(data["walk"])}
+    except (KeyError, TypeError, ValueError) as error:
+        fail(f"{args.json} is no result of marginal_study: {error!r}")
+    for name, figure in pictures.items():
+        save(figure, args.folder / f"marginalization_{name}.png", dpi=130)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

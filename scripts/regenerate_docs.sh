@@ -9,16 +9,19 @@
 # own commands, for a quiet machine, and so have docs/large.md and its pictures, half an hour of bench_ba
 # and scripts/plot_bench_ba.py), but for those of docs/windows.md, which are of the thread's own clock.
 #
-# Needs the programs and examples (built with scripts/test.sh, or FOLDER with them) and a Python with
-# numpy and matplotlib (Debian, Ubuntu: python3-matplotlib; or PYTHON=/path/to/venv/bin/python).
+# Needs the programs (built with scripts/test.sh, or FOLDER with them) and a Python with matplotlib and the
+# package glissade, from the build folder (GLISSADE_BUILD_PYTHON=ON) or installed (pip install ".[plot]");
+# PYTHON=/path/to/venv/bin/python names another one than python3.
 # The pictures of EuRoC recordings are made where GLISSADE_DATA names a folder with vio/euroc_v101_semi
 # and vio/euroc_mh05_semi; without, they stay as they are.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bin=${1:-build/release/bin}
 python=${PYTHON:-python3}
-"$python" -c 'import matplotlib, numpy' || {
-  echo "$0: $python has no matplotlib (Debian, Ubuntu: python3-matplotlib)" >&2
+package=$(dirname "$bin")/python
+[[ -d $package/glissade ]] && export PYTHONPATH=$package${PYTHONPATH:+:$PYTHONPATH}
+"$python" -c 'import glissade.plot' || {
+  echo "$0: $python has no glissade.plot: pip install \".[plot]\", or build with GLISSADE_BUILD_PYTHON=ON" >&2
   exit 2
 }
 results=$(mktemp -d)
@@ -31,15 +34,7 @@ scripts/check_docs_figures.py --bin "$bin" --results "$results" --write
 "$python" scripts/plot_marginalization.py "$results/marginal.json" docs/images
 "$python" scripts/plot_gauge_study.py "$results/study.json" docs/images
 
-# H of the first example. The example is built as a user would, against an installed package.
-if cmake --install "$(dirname "$bin")" --prefix "$results/prefix" >/dev/null &&
-  cmake -S examples -B "$results/examples" "-DCMAKE_PREFIX_PATH=$results/prefix" >/dev/null &&
-  cmake --build "$results/examples" --target mono_ba_steps >/dev/null; then
-  "$results/examples/mono_ba_steps" "$results/hessian.pgm" >/dev/null
-  "$python" scripts/plot_hessian.py "$results/hessian.pgm" docs/images/mono_ba_hessian.png
-else
-  echo "$0: $bin is no part of a build that can be installed: mono_ba_hessian.png stays as it is" >&2
-fi
+"$python" scripts/plot_hessian.py docs/images/mono_ba_hessian.png
 
 # Only where GLISSADE_DATA has them: else their pictures and their table stay as they are.
 if [[ -f $results/euroc.json ]]; then

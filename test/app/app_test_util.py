@@ -32,6 +32,17 @@ def strict_json(text):
     return json.loads(text, parse_constant=refuse)
 
 
+def drawing():
+    """The environment for scripts/plot_*.py, with the package of this build where there is one; None where
+    glissade.plot cannot be imported."""
+    built = AppTest.folder_of_executables.parent / "python"
+    paths = ([str(built)] if (built / "glissade").is_dir() else []) + [os.environ.get("PYTHONPATH", "")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
+    found = subprocess.run([sys.executable, "-c", "import glissade.plot"], env=environment, capture_output=True,
+                           check=False)
+    return environment if found.returncode == 0 else None
+
+
 # What no numeric option takes. A test adds what its option must refuse besides.
 NO_NUMBERS = ("nan", "inf", "-inf", "1e300", "-1e300", "1e999", "", " ", "text", "1x", "0x10", "1,5",
               "--", "-")

@@ -7,7 +7,7 @@ import csv
 import subprocess
 import sys
 
-from app_test_util import ROOT, AppTest, data_folder, main, without_sanitizers
+from app_test_util import ROOT, AppTest, data_folder, drawing, main, without_sanitizers
 
 WEIGHTS = [0, 3, 7, 10, 50, 100, 300, 500, 1e3, 5e3, 1e5, 5e6, 1e8]
 METHODS = ("fixed", "free", "prior")
@@ -115,12 +115,11 @@ class GaugeStudy(AppTest):
         self.assertEqual(len(rows), 2 * (6 * 3 + len(WEIGHTS)))
         self.assertEqual(rows[0]["set"], "sine plane")
         self.assertGreater(float(rows[0]["cost"]), 0)
-        try:
-            import matplotlib  # noqa: F401
-        except ImportError:
-            self.skipTest("no matplotlib")
+        environment = drawing()
+        if environment is None:
+            self.skipTest("needs the Python package with matplotlib")
         subprocess.run([sys.executable, str(ROOT / "scripts" / "plot_gauge_study.py"), "a.json",
-                        "images"], cwd=self.folder, check=True, timeout=300)
+                        "images"], cwd=self.folder, env=environment, check=True, timeout=300)
         names = sorted(p.name for p in (self.folder / "images").iterdir())
         self.assertEqual(names, sorted(f"gauge_study_{n}.png" for n in (
             "accuracy", "iterations", "path", "methods", "covariance", "ellipses")))

@@ -5,7 +5,6 @@
 
 import csv
 import gzip
-import importlib.util
 import math
 import os
 import pathlib
@@ -13,9 +12,8 @@ import random
 import statistics
 import subprocess
 import sys
-import unittest
 
-from app_test_util import ROOT, AppTest, data_folder, main, without_sanitizers
+from app_test_util import ROOT, AppTest, data_folder, drawing, main, without_sanitizers
 
 FLIGHT = ROOT / "data" / "flight"
 KEYS = ("frames", "ate_m", "ate_yaw_deg", "rpe_1s_m", "rpe_percent", "median_ms", "p99_ms",
@@ -141,12 +139,15 @@ class VioReplayTest(AppTest):
             self.assertAlmostEqual(result["ate_m"], healthy["ate_m"], places=9)
             self.assertGreater(self.run_json(".")["ate_m"], 1.5 * healthy["ate_m"])
 
-    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "needs matplotlib")
     def test_states_can_be_drawn(self):
+        environment = drawing()
+        if environment is None:
+            self.skipTest("needs the Python package with matplotlib")
         for name, more, truth in (("a", (), FLIGHT), ("b", ("--no-imu",), FLIGHT), ("c", (), "-")):
             self.run_ok(FLIGHT, "--states", f"{name}.csv", *more)
             done = subprocess.run([sys.executable, ROOT / "scripts" / "plot_trajectory.py", f"{name}.csv", truth,
-                                   f"{name}.png"], cwd=self.folder, capture_output=True, text=True, check=False)
+                                   f"{name}.png"], cwd=self.folder, env=environment, capture_output=True, text=True,
+                                  check=False)
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertGreater((self.folder / f"{name}.png").stat().st_size, 20000)
 

@@ -18,17 +18,17 @@ if typing.TYPE_CHECKING:
 
 def band(x: npt.ArrayLike, low: npt.ArrayLike, middle: npt.ArrayLike, high: npt.ArrayLike, *,
          color: str = colors.BLUE, label: str | None = None, marker: str | None = None,
-         alpha: float = 0.18, linewidth: float = 1.2, ax: Axes | None = None) -> Axes:
+         alpha: float = 0.18, linewidth: float = 1.2, zorder: float = 2.0, ax: Axes | None = None) -> Axes:
     """Draws a curve and the area from low to high about it: quartiles, or an estimate with its sigmas.
 
-    x, low, middle, high: (n,); where one is NaN there is no area.
+    x, low, middle, high: (n,); where one is NaN there is no area. zorder: the greater is on top.
     """
     x = _check.array("x", x, ("n",))
     low, middle, high = (_check.rows(name, _check.array(name, value, ("n",)), len(x))
                          for name, value in (("low", low), ("middle", middle), ("high", high)))
     ax = _figure.axes(ax)
-    ax.fill_between(x, low, high, color=color, alpha=alpha, linewidth=0)
-    ax.plot(x, middle, marker=marker, markersize=4, color=color, linewidth=linewidth, label=label)
+    ax.fill_between(x, low, high, color=color, alpha=alpha, linewidth=0, zorder=zorder)
+    ax.plot(x, middle, marker=marker, markersize=4, color=color, linewidth=linewidth, label=label, zorder=zorder)
     return ax
 
 

@@ -72,10 +72,12 @@ def _description(sweep: Sweep) -> str:
     return name + (f", start {noise:g} m and rad off" if noise > 0 else ", start at the truth")
 
 
-def _draw(ax: Axes, sweep: Sweep, key: str, look: colors.Look, label: str, scale: float = 1.0) -> None:
-    rows = _rows(sweep)
+def _draw(ax: Axes, sweep: Sweep, key: str, k: int, label: str, scale: float = 1.0) -> None:
+    """Sweep k: the first one is on top."""
+    rows, look = _rows(sweep), colors.series(k)
     low, middle, high = zip(*(_quartiles(row, key, scale) for row in rows))
-    band([row["weight"] for row in rows], low, middle, high, color=look.color, label=label, marker=look.marker, ax=ax)
+    band([row["weight"] for row in rows], low, middle, high, color=look.color, label=label, marker=look.marker,
+         zorder=3.0 - 0.1 * k, ax=ax)
 
 
 def _levels(ax: Axes, sweep: Sweep, key: str, free_label: str, scale: float = 1.0) -> None:
@@ -111,7 +113,7 @@ def prior_weights(*sweeps: Sweep) -> Figure:
     panels = [("pose_error_m", "pose error [mm]"), ("point_error_per_m", "point error [1/km]")][:1 + has_points]
     for ax, (key, ylabel) in zip(axes, panels):
         for k, sweep in enumerate(sweeps):
-            _draw(ax, sweep, key, colors.series(k), _description(sweep), 1e3)
+            _draw(ax, sweep, key, k, _description(sweep), 1e3)
         _levels(ax, first, key, "no prior, aligned to the truth", 1e3)
         _finish(ax, ylabel, log_y=len(sweeps) > 1)
     axes[0].set_title("Accuracy against the weight of the prior")
@@ -131,7 +133,7 @@ def _draw_approach(ax: Axes, sweep: Sweep, fixed: Row) -> None:
     if heavy is not None:
         ends = (heavy[0] / 10, 1e3 * heavy[0])
         ax.plot(ends, [heavy[0] * heavy[1] / w for w in ends], color=colors.GREY, linestyle="--", label="1 / weight")
-    _finish(ax, "pose error, less that of\nfixed poses [mm]", log_y=True)
+    _finish(ax, "pose error, less that of\nfixed poses [mm]", log_y=any(error > 0 for _, error in curve))
     ax.legend(loc="best", fontsize=8.5)
 
 
@@ -143,7 +145,7 @@ def prior_weight_time(sweep: Sweep) -> Figure:
     _rows(sweep)
     fig, axes = _figure.figure(2, 1, (7.0, 5.6), sharex=True)
     for ax, key, ylabel in zip(axes, ("iterations", "time_ms"), ("iterations", "time [ms]")):
-        _draw(ax, sweep, key, colors.series(0), "with prior (median, quartiles)")
+        _draw(ax, sweep, key, 0, "with prior (median, quartiles)")
         _levels(ax, sweep, key, "no prior")
         _finish(ax, ylabel, log_y=True)
         _figure.plain_ticks(ax)

@@ -46,7 +46,7 @@ def scene(points: npt.ArrayLike, poses: npt.ArrayLike | None = None, *, errors: 
     if T is not None and len(T):
         direction = quaternions.rotate(T[:, 3:], np.broadcast_to(axis, (len(T), 3)))
         ax.quiver(T[:, i], T[:, j], direction[:, i], direction[:, j], color=colors.BLACK, angles="xy",
-                  scale=25.0, width=0.004 if len(T) < 100 else 0.0015, label="cameras")
+                  scale=25.0 if len(T) <= 200 else 70.0, width=0.004 if len(T) < 100 else 0.0012, label="cameras")
         corners += [T[:, :3].min(axis=0), T[:, :3].max(axis=0)]
     if corners:
         low, high = np.min(corners, axis=0), np.max(corners, axis=0)

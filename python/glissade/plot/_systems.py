@@ -188,7 +188,8 @@ def camera_pairs(problem: _core.Problem | _core.BalProblem, *, ax: Axes | None =
     ax = _figure.axes(ax, (5.4, 5.0))
     # A pixel is black where any block under it is there.
     shown = fewer(seen.astype(np.float64)) if n > MAX_PIXELS else seen
-    ax.imshow(shown, cmap="gray_r", vmin=0, vmax=1, interpolation="nearest", extent=(-0.5, n - 0.5, n - 0.5, -0.5))
+    ax.imshow(shown, cmap="gray_r", vmin=0, vmax=1, interpolation="antialiased" if n > 200 else "nearest",
+              extent=(-0.5, n - 0.5, n - 0.5, -0.5))
     if len(groups) > 1:
         label_groups(ax, groups)
     else:
