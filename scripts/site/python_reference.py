@@ -99,13 +99,8 @@ FIRST = ["Problem", "VertexArray", "EdgeArray", "EdgeKind", "SolveOptions", "Sol
          "SlidingWindowOptions"]
 
 
-@functools.cache
-def modules(package):
-    """{module, "" for the package itself: (description, entities)}. A module whose name begins with "_" is the
-    package's, as far as that imports its names; a stub is taken before the source."""
-    folder, found = pathlib.Path(package), {}
-    if not package or not (folder / "__init__.py").is_file():
-        return found
+def read_package(folder, package, found):
+    """Adds {module: (description, {name: entity})} of a package and of those in it; "" is the outermost."""
     imported = imported_names(ast.parse((folder / "__init__.py").read_text(encoding="utf-8")))
     for path in sorted([*folder.glob("*.pyi"), *folder.glob("*.py")], key=lambda p: (p.suffix == ".py", p.name)):
         tree = ast.parse(path.read_text(encoding="utf-8"))
@@ -113,15 +108,27 @@ def modules(package):
         wanted = imported.get(path.stem, set()) if path.stem != "__init__" else {"*"}
         if private and not wanted:
             continue
-        module = "" if private else path.stem
+        module = package if private else ".".join(filter(None, (package, path.stem)))
         text, entities = found.get(module, ("", {}))
-        for name, entity in entities_of(tree.body, module + "." if module else "").items():
-            if not private or "*" in wanted or name in wanted:
+        prefix = module + "." if module else ""
+        for name, entity in entities_of(tree.body, prefix).items():
+            if not private or "*" in wanted or name.removeprefix(prefix) in wanted:
                 known = entities.setdefault(name, entity)
                 known.description = known.description or entity.description
         is_its_own = not private or path.stem == "__init__"
         own = inspect.cleandoc(ast.get_docstring(tree) or "") if is_its_own else ""
         found[module] = (own or text, entities)
+    for path in sorted(folder.glob("*/__init__.py")):
+        read_package(path.parent, ".".join(filter(None, (package, path.parent.name))), found)
+
+
+@functools.cache
+def modules(package):
+    """{module, "" for the package itself: (description, entities)}. A module whose name begins with "_" is the
+    package's, as far as that imports its names; a stub is taken before the source."""
+    folder, found = pathlib.Path(package), {}
+    if package and (folder / "__init__.py").is_file():
+        read_package(folder, "", found)
     return {module: (text, sorted(entities.values(), key=lambda e: FIRST.index(e.name) if e.name in FIRST else len(FIRST)))
             for module, (text, entities) in found.items() if entities}
 
