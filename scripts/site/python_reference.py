@@ -165,7 +165,7 @@ def paragraphs(text):
             for item in re.split(r"\n(?=\s*[-*] )", block):
                 items += nodes.list_item("", nodes.paragraph("", "", *words(re.sub(r"^\s*[-*] ", "", item))))
             yield items
-        elif len(lines) > 1 and all(line.startswith("  ") for line in lines[1:]) or lines[0].endswith(":") and len(lines) > 1:
+        elif len(lines) > 1 and all(line.startswith("  ") for line in lines[1:]):
             yield nodes.paragraph("", "", *words(lines[0]))
             rest = inspect.cleandoc("\n" + "\n".join(lines[1:]))
             yield nodes.literal_block(rest, rest, language="none")
