@@ -33,11 +33,11 @@ def strict_json(text):
 
 
 def drawing():
-    """The environment for scripts/plot_*.py, with the package of this build where there is one; None where
+    """The environment for scripts/plot_*.py, with the package of this build behind PYTHONPATH; None where
     glissade.plot cannot be imported."""
     built = AppTest.folder_of_executables.parent / "python"
-    paths = ([str(built)] if (built / "glissade").is_dir() else []) + [os.environ.get("PYTHONPATH", "")]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
+    paths = filter(None, (os.environ.get("PYTHONPATH"), str(built)))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
     found = subprocess.run([sys.executable, "-c", "import glissade.plot"], env=environment, capture_output=True,
                            check=False)
     return environment if found.returncode == 0 else None
