@@ -13,7 +13,7 @@ set -euo pipefail
 (($# == 1)) || { echo "usage: $0 BUILD_DIR" >&2; exit 2; }
 command -v nm >/dev/null || { echo "skipped: no nm here" >&2; exit 77; }
 
-mapfile -d '' -t objects < <(find "$1" -path '*/glissade_kernels_*.dir/*.o' -print0 | sort -z)
+mapfile -d '' -t objects < <(find "$1/src" -path '*/glissade_kernels_*.dir/*.o' -print0 | sort -z)
 if ((${#objects[@]} == 0)); then
   echo "FAIL: no kernel objects under $1" >&2
   exit 1

@@ -2,19 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "arrays.h"
 #include "errors.h"
+#include "file_path.h"
 #include "glissade/io/bal.h"
 #include "glissade/io/ply.h"
 #include "handles.h"
@@ -85,17 +84,14 @@ void BindBal(nb::module_& m, nb::class_<PyProblem>& problem) {
           },
           "(k, 2) [px] from the image centre, y up")
       .def(
-          "write",
-          [](const BalProblem& b, const std::filesystem::path& path) {
-            Check(WriteBal(b, path.string()));
-          },
+          "write", [](const BalProblem& b, const FilePath& path) { Check(WriteBal(b, path.text)); },
           nb::arg("path"), "Writes text, .gz, .bz2 or (.bbal) binary, by the name.");
   m.def(
       "read_bal",
-      [](const std::filesystem::path& path) {
+      [](const FilePath& path) {
         return Unwrap([&] {
           const Unlocked unlocked;
-          return ReadBal(path.string());
+          return ReadBal(path.text);
         }());
       },
       nb::arg("path"), "Reads a BAL file: plain, .gz, .bz2 or binary.");
@@ -103,10 +99,10 @@ void BindBal(nb::module_& m, nb::class_<PyProblem>& problem) {
   problem
       .def_static(
           "from_bal",
-          [](const std::filesystem::path& path, const Loss& loss) {
+          [](const FilePath& path, const Loss& loss) {
             return AddBalProblem(Unwrap([&] {
                                    const Unlocked unlocked;
-                                   return ReadBal(path.string());
+                                   return ReadBal(path.text);
                                  }()),
                                  loss);
           },
@@ -122,15 +118,15 @@ void BindBal(nb::module_& m, nb::class_<PyProblem>& problem) {
                               .c_str()))
       .def(
           "to_bal",
-          [](PyProblem& p, const std::filesystem::path& path) {
+          [](PyProblem& p, const FilePath& path) {
             const BalProblem bal = Unwrap(BalFromGraph(p.read()));
-            Check(WriteBal(bal, path.string()));
+            Check(WriteBal(bal, path.text));
           },
           nb::arg("path"), "Writes a problem of BAL cameras and points.")
       .def(
           "to_ply",
-          [](PyProblem& p, const std::filesystem::path& path) {
-            Check(WritePly(Unwrap(PlyOfGraph(p.read())), path.string()));
+          [](PyProblem& p, const FilePath& path) {
+            Check(WritePly(Unwrap(PlyOfGraph(p.read())), path.text));
           },
           nb::arg("path"), "Writes points, coloured by their errors, and cameras for MeshLab.");
 }

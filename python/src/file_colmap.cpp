@@ -2,18 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "arrays.h"
 #include "errors.h"
+#include "file_path.h"
 #include "glissade/io/colmap.h"
 #include "glissade/io/colmap_graph.h"
 #include "handles.h"
@@ -58,20 +57,20 @@ void BindColmap(nb::module_& m, nb::class_<PyProblem>& problem) {
       .def_prop_ro("num_observations", [](const Scene& s) { return s.handles.num_observations; })
       .def(
           "write",
-          [](Scene& s, PyProblem& p, const std::filesystem::path& folder, bool text) {
+          [](Scene& s, PyProblem& p, const FilePath& folder, bool text) {
             ColmapModel model = s.model;
             Check(UpdateFromGraph(p.read(), s.handles, &model));
-            Check(WriteColmap(model, folder.string(),
+            Check(WriteColmap(model, folder.text,
                               text ? ColmapFormat::kText : ColmapFormat::kBinary));
           },
           nb::arg("problem"), nb::arg("folder"), nb::arg("text") = false,
           "Writes the model with what the problem has now.");
   problem.def_static(
       "from_colmap",
-      [](const std::filesystem::path& folder, bool focal, bool principal, bool distortion, bool fix,
+      [](const FilePath& folder, bool focal, bool principal, bool distortion, bool fix,
          const Loss& loss) {
         auto scene = std::make_unique<Scene>();
-        scene->model = Unwrap(ReadColmap(folder.string()));
+        scene->model = Unwrap(ReadColmap(folder.text));
         auto p = std::make_unique<PyProblem>();
         scene->handles =
             Unwrap(AddToGraph(scene->model, p->write(), {focal, principal, distortion, fix, loss}));

@@ -2,19 +2,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "arrays.h"
 #include "errors.h"
+#include "file_path.h"
 #include "glissade/io/g2o.h"
 #include "handles.h"
 #include "problem.h"
@@ -43,20 +42,19 @@ void BindG2o(nb::module_& m, nb::class_<PyProblem>& problem) {
           "id of the vertex that is held since nothing else is; None where something is")
       .def(
           "write",
-          [](Scene& s, PyProblem& p, const std::filesystem::path& path) {
+          [](Scene& s, PyProblem& p, const FilePath& path) {
             G2oProblem content = s.content;
             Check(UpdateFromGraph(p.read(), s.handles, &content));
-            Check(WriteG2o(content, path.string()));
+            Check(WriteG2o(content, path.text));
           },
           nb::arg("problem"), nb::arg("path"), "Writes the file with what the problem has now.");
   problem
       .def_static(
           "from_g2o",
-          [](const std::filesystem::path& path, bool hold_first, bool keep_other_tags,
-             const Loss& loss) {
+          [](const FilePath& path, bool hold_first, bool keep_other_tags, const Loss& loss) {
             auto scene = std::make_unique<Scene>();
-            scene->content = Unwrap(ReadG2o(
-                path.string(), keep_other_tags ? G2oOtherTags::kKeep : G2oOtherTags::kRefuse));
+            scene->content = Unwrap(
+                ReadG2o(path.text, keep_other_tags ? G2oOtherTags::kKeep : G2oOtherTags::kRefuse));
             auto p = std::make_unique<PyProblem>();
             scene->handles = Unwrap(AddToGraph(scene->content, p->write(), {loss, hold_first}));
             return nb::make_tuple(nb::cast(std::move(p)), nb::cast(std::move(scene)));
@@ -70,8 +68,8 @@ void BindG2o(nb::module_& m, nb::class_<PyProblem>& problem) {
           "not understood are kept for write() instead of refused.")
       .def(
           "to_g2o",
-          [](PyProblem& p, const std::filesystem::path& path) {
-            Check(WriteG2o(Unwrap(G2oFromGraph(p.read())), path.string()));
+          [](PyProblem& p, const FilePath& path) {
+            Check(WriteG2o(Unwrap(G2oFromGraph(p.read())), path.text));
           },
           nb::arg("path"), "Writes a problem of poses, points, relative poses and pose priors.");
 }

@@ -2,18 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "files.h"
 
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "arrays.h"
 #include "errors.h"
+#include "file_path.h"
 #include "glissade/io/viowin.h"
 #include "handles.h"
 #include "problem.h"
@@ -110,13 +109,12 @@ void BindViowin(nb::module_& m, nb::class_<PyProblem>& problem) {
           "landmark, host, target (k,), uv_host, uv_target (k, 2) normalized: what "
           "add_reprojections() takes.");
   m.def(
-      "read_viowin",
-      [](const std::filesystem::path& path) { return Unwrap(ReadViowin(path.string())); },
+      "read_viowin", [](const FilePath& path) { return Unwrap(ReadViowin(path.text)); },
       nb::arg("path"), "Reads all windows of a VIOWIN file.");
   m.def(
       "write_viowin",
-      [](const std::vector<ViowinWindow>& windows, const std::filesystem::path& path) {
-        Check(WriteViowin(windows, path.string()));
+      [](const std::vector<ViowinWindow>& windows, const FilePath& path) {
+        Check(WriteViowin(windows, path.text));
       },
       nb::arg("windows"), nb::arg("path"), "Writes windows, compressed by the name.");
   problem.def(

@@ -131,7 +131,8 @@ void BindQueries(nb::class_<PyProblem>& problem) {
           [](PyProblem& p, const nb::dict&) {
             return std::make_unique<PyProblem>(Unwrap(p.read().Clone()));
           },
-          nb::arg("memo"))
+          nb::arg("memo"),
+          nb::sig("def __deepcopy__(self, memo: dict[int, typing.Any]) -> Problem"))
       .def("__repr__", [](PyProblem& p) {
         return std::string("<Problem: ")
             .append(std::to_string(p.read().NumVertices()))

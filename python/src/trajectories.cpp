@@ -1,15 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <string>
 
 #include "arrays.h"
 #include "errors.h"
+#include "file_path.h"
 #include "glissade/eval/absolute_error.h"
 #include "glissade/eval/alignment.h"
 #include "glissade/eval/association.h"
@@ -66,8 +65,8 @@ constexpr const char* kTrajectoryTuple =
 void BindTrajectories(nb::module_& m) {
   m.def(
       "read_trajectory",
-      [](const std::filesystem::path& path, const std::filesystem::path& times, double rate_hz) {
-        return ArraysOf(Unwrap(ReadTrajectory(path.string(), {times.string(), rate_hz})));
+      [](const FilePath& path, const FilePath& times, double rate_hz) {
+        return ArraysOf(Unwrap(ReadTrajectory(path.text, {times.text, rate_hz})));
       },
       nb::arg("path"), nb::arg("times") = "", nb::arg("rate_hz") = 0.0,
       nb::sig(std::string("def read_trajectory(path: str | os.PathLike[str], times: str | "
@@ -83,10 +82,10 @@ void BindTrajectories(nb::module_& m) {
       .value("KITTI", TrajectoryFormat::kKitti);
   m.def(
       "write_trajectory",
-      [](const std::filesystem::path& path, const IndexLike& stamps, const ArrayLike& poses,
-         TrajectoryFormat format, const std::filesystem::path& kitti_times) {
-        Check(WriteTrajectory(TrajectoryFrom(stamps, poses, "poses"), path.string(), format,
-                              kitti_times.string()));
+      [](const FilePath& path, const IndexLike& stamps, const ArrayLike& poses,
+         TrajectoryFormat format, const FilePath& kitti_times) {
+        Check(WriteTrajectory(TrajectoryFrom(stamps, poses, "poses"), path.text, format,
+                              kitti_times.text));
       },
       nb::arg("path"), nb::arg("stamps_ns"), nb::arg("poses"),
       nb::arg("format") = TrajectoryFormat::kTum, nb::arg("kitti_times") = "",
@@ -97,8 +96,8 @@ void BindTrajectories(nb::module_& m) {
       "KITTI's format has no place for; '': nowhere.");
   m.def(
       "read_euroc_imu",
-      [](const std::filesystem::path& path) {
-        return ArraysOf(std::span<const ImuSample>(Unwrap(ReadEurocImu(path.string()))));
+      [](const FilePath& path) {
+        return ArraysOf(std::span<const ImuSample>(Unwrap(ReadEurocImu(path.text))));
       },
       nb::arg("path"),
       nb::sig("def read_euroc_imu(path: str | os.PathLike[str]) -> "

@@ -1,18 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The glissade authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Recordings with feature tracks, and their way through a window.
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "arrays.h"
 #include "errors.h"
+#include "file_path.h"
 #include "glissade/io/replay.h"
 #include "imu.h"
 #include "problem.h"
@@ -85,8 +84,7 @@ void BindViotracks(nb::module_& m) {
           },
           nb::arg("num_cameras") = 1000, "Options of a SlidingWindow for this recording.");
   m.def(
-      "read_viotracks",
-      [](const std::filesystem::path& folder) { return Unwrap(ReadViotracks(folder.string())); },
+      "read_viotracks", [](const FilePath& folder) { return Unwrap(ReadViotracks(folder.text)); },
       nb::arg("folder"), "Reads a VIOTRACKS folder.");
   m.def(
       "replay",

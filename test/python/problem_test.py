@@ -290,17 +290,17 @@ def test_ctrl_c_stops_a_solve_and_keeps_the_best_values():
 import os, signal, threading, time, glissade as gl
 problem, cameras, points, edges = gl.Problem.from_bal(gl.make_city(num_cameras=40))
 before = problem.cost()
+iterations = []
 def interrupt():
-    while True:
-        try:
-            problem.cost()
-        except RuntimeError:  # it is being solved
-            break
-    time.sleep(1.0)
+    while len(iterations) < 3:
+        time.sleep(0.001)
     os.kill(os.getpid(), signal.SIGINT)
 threading.Thread(target=interrupt, daemon=True).start()
+def callback(it):
+    iterations.append(it.iteration)
+    time.sleep(0.02)  # so that there are many more to come when the signal does
 try:
-    problem.solve(max_iterations=10**8, cost_tolerance=0, gradient_tolerance=0, step_tolerance=0, max_lambda=1e300)
+    problem.solve(max_iterations=10**6, cost_tolerance=0, gradient_tolerance=0, step_tolerance=0, callback=callback)
 except KeyboardInterrupt:
     print("stopped", problem.cost() < before)
 """
