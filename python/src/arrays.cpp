@@ -73,6 +73,7 @@ Doubles::Doubles(const ArrayLike& source, const char* name) {
 }
 
 Integers::Integers(const IndexLike& source, const char* name) {
+  if (nb::try_cast(source.source, array_, false) && array_.ndim() == 1) return;
   const nb::object array = Converted(source.source, name, "int64");
   if (nb::cast<int>(array.attr("ndim")) != 1) {
     std::string message(name);

@@ -59,6 +59,15 @@ void BindArray(nb::module_& m, const char* name, const char* doc) {
           "__getitem__",
           [at](const Array& a, const nb::object& which) {
             Array out;
+            const auto take = [&](const std::int64_t* indices, std::size_t n) {
+              out.handles.reserve(n);
+              for (std::size_t k = 0; k < n; ++k)
+                out.handles.push_back(at(a, static_cast<Py_ssize_t>(indices[k])));
+            };
+            if (Int64Array indices; nb::try_cast(which, indices, false) && indices.ndim() == 1) {
+              take(indices.data(), indices.size());
+              return out;
+            }
             const bool is_array =
                 nb::hasattr(which, "ndim") && nb::cast<int>(which.attr("ndim")) > 0;
             if (!is_array && PyIndex_Check(which.ptr()) && !PyBool_Check(which.ptr())) {
@@ -81,9 +90,7 @@ void BindArray(nb::module_& m, const char* name, const char* doc) {
               return out;
             }
             const Integers indices(IndexLike{array}, "indices");
-            out.handles.reserve(indices.size());
-            for (std::size_t k = 0; k < indices.size(); ++k)
-              out.handles.push_back(at(a, static_cast<Py_ssize_t>(indices.data()[k])));
+            take(indices.data(), indices.size());
             return out;
           },
           nb::arg("which"),
