@@ -20,7 +20,7 @@ options=()
 if (($#)); then
   generator=$(sed -n 's/^CMAKE_GENERATOR:INTERNAL=//p' "$1/CMakeCache.txt")
   export CMAKE_GENERATOR="$generator"
-  options=(--no-build-isolation -C "build-dir=$(realpath "$1")")
+  options=(--no-build-isolation -C "build-dir=$(realpath "$1")" -C cmake.define.GLISSADE_WHEEL_OF_BUILD=ON)
 fi
 CMAKE_BUILD_PARALLEL_LEVEL=$jobs "$python" -m pip wheel -q --disable-pip-version-check --no-deps \
   "${options[@]}" -w "$work/wheel" .
