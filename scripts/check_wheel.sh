@@ -26,7 +26,7 @@ CMAKE_BUILD_PARALLEL_LEVEL=$jobs "$python" -m pip wheel -q --disable-pip-version
   "${options[@]}" -w "$work/wheel" .
 say "wheel built in $((SECONDS - start)) s: $(basename "$work"/wheel/*.whl)"
 
-PATH=$python_venv/bin:$PATH "$python" -m auditwheel -q repair -w "$work/repaired" "$work"/wheel/*.whl
+PATH=$python_venv/bin:$PATH "$python" -m auditwheel repair -w "$work/repaired" "$work"/wheel/*.whl >"$work/repair.log" 2>&1 || { cat "$work/repair.log" >&2; die "auditwheel failed"; }
 say "repaired: $(basename "$work"/repaired/*.whl), $(du -k "$work"/repaired/*.whl | cut -f1) KiB"
 
 "$python" -m venv --system-site-packages "$work/venv"
