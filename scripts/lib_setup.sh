@@ -141,6 +141,10 @@ need_python() {
     fi
     rm -f "$log"
   fi
+  if ! "$venv/bin/python" -c 'import os, sysconfig; os.stat(sysconfig.get_path("include") + "/Python.h")' 2>/dev/null; then
+    say "Python's headers are not here (Debian, Ubuntu: python3-dev): going on without the Python package"
+    return 0
+  fi
   python_venv=$PWD/$venv
 }
 
