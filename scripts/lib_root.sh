@@ -53,7 +53,7 @@ make_root() { # a bare system in $root, a folder of $work, which goes when the s
   printf '#!/bin/sh\nexit 101\n' >"$root/usr/sbin/policy-rc.d"
   chmod +x "$root/usr/sbin/policy-rc.d"
   echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/unsafe-io"
-  mkdir -p "$root/work"
+  mkdir -p "$root/try"
   inside true || skip "/proc cannot be mounted in the new system"
   timed "apt-get update" inside apt-get update -q
 }

@@ -4,12 +4,12 @@
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <optional>
 #include <string>
 
 #include "add_edges.h"
 #include "glissade/edges/bal.h"
-#include "glissade/edges/pose_prior_vec.h"
 #include "glissade/edges/relative_pose.h"
 #include "glissade/edges/reprojection.h"
 #include "glissade/edges/reprojection_stereo.h"
@@ -43,10 +43,11 @@ using MaybeArray = std::optional<ArrayLike>;
 /// T_body_camera: (7,) for all or (n, 7); the identity where nothing is given.
 class Extrinsics {
  public:
-  Extrinsics(const MaybeArray& array, const char* name, std::size_t n) {
-    if (!array) return;
-    rows_.emplace(*array, 7, name);
-    rows_->ExpectOneOr(n);
+  Extrinsics(const MaybeArray& array, const char* name) {
+    if (array) rows_.emplace(*array, 7, name);
+  }
+  void ExpectOneOr(std::size_t n) const {
+    if (rows_) rows_->ExpectOneOr(n);
   }
   [[nodiscard]] Pose Of(std::size_t k) const {
     return rows_ ? PoseFrom(rows_->ForEach(k)) : Pose();
@@ -56,6 +57,35 @@ class Extrinsics {
   std::optional<Rows> rows_;
 };
 
+struct Weighing {
+  const MaybeArray& sqrt_information;
+  const MaybeArray& information;
+  const Loss& loss;
+};
+
+/// Edges of type E: as many as the longest of vertices and measurements; fill(&edge, k) writes what
+/// was measured.
+template <class E, std::size_t N, class Fill>
+EdgeArray AddMeasured(PyProblem& p, const std::array<NamedVertices, N>& vertices,
+                      std::initializer_list<const Rows*> measured,
+                      std::initializer_list<const Extrinsics*> extrinsics, const Weighing& w,
+                      Fill&& fill) {
+  std::size_t n = 0;
+  for (const Rows* rows : measured)
+    n = std::max(n, rows->size());
+  n = NumEdges(vertices, n);
+  for (const Rows* rows : measured)
+    rows->ExpectOneOr(n);
+  for (const Extrinsics* poses : extrinsics)
+    poses->ExpectOneOr(n);
+  const Weights weights(w.sqrt_information, w.information, E::kResidualDim, n);
+  return AddEdges<E>(p, n, vertices, weights, w.loss, [&](std::size_t k) {
+    E edge;
+    fill(&edge, k);
+    return edge;
+  });
+}
+
 EdgeArray AddReprojections(PyProblem& p, const VertexArray& landmarks, const VertexArray& hosts,
                            const VertexArray& targets, const ArrayLike& uv_host,
                            const ArrayLike& uv_target, const MaybeArray& T_b_c,
@@ -64,18 +94,32 @@ EdgeArray AddReprojections(PyProblem& p, const VertexArray& landmarks, const Ver
   const std::array<NamedVertices, 3> vertices = {
       {{&hosts, "hosts"}, {&targets, "targets"}, {&landmarks, "landmarks"}}};
   const Rows host(uv_host, 2, "uv_host"), target(uv_target, 2, "uv_target");
-  const std::size_t n = NumEdges(vertices, std::max(host.size(), target.size()));
-  host.ExpectOneOr(n);
-  target.ExpectOneOr(n);
-  const Extrinsics extrinsics(T_b_c, "T_body_camera", n);
-  return AddEdges<EdgeReprojection>(p, n, vertices, Weights(sqrt_information, information, 2, n),
-                                    loss, [&](std::size_t k) {
-                                      EdgeReprojection edge;
-                                      edge.uv_host = Vector2From(host.ForEach(k));
-                                      edge.uv_target = Vector2From(target.ForEach(k));
-                                      edge.T_b_c = extrinsics.Of(k);
-                                      return edge;
-                                    });
+  const Extrinsics extrinsics(T_b_c, "T_body_camera");
+  return AddMeasured<EdgeReprojection>(p, vertices, {&host, &target}, {&extrinsics},
+                                       {sqrt_information, information, loss},
+                                       [&](EdgeReprojection* edge, std::size_t k) {
+                                         edge->uv_host = Vector2From(host.ForEach(k));
+                                         edge->uv_target = Vector2From(target.ForEach(k));
+                                         edge->T_b_c = extrinsics.Of(k);
+                                       });
+}
+
+/// Observations of a landmark of one camera by another one, in the same frame or another.
+template <class E, std::size_t N>
+EdgeArray AddByTwoCameras(PyProblem& p, const std::array<NamedVertices, N>& vertices,
+                          const ArrayLike& uv_host, const ArrayLike& uv_target,
+                          const ArrayLike& T_b_host, const ArrayLike& T_b_target,
+                          const Weighing& weighing) {
+  const Rows host(uv_host, 2, "uv_host"), target(uv_target, 2, "uv_target");
+  const Extrinsics of_host(T_b_host, "T_body_host_camera");
+  const Extrinsics of_target(T_b_target, "T_body_target_camera");
+  return AddMeasured<E>(p, vertices, {&host, &target}, {&of_host, &of_target}, weighing,
+                        [&](E* edge, std::size_t k) {
+                          edge->uv_host = Vector2From(host.ForEach(k));
+                          edge->uv_target = Vector2From(target.ForEach(k));
+                          edge->T_b_host = of_host.Of(k);
+                          edge->T_b_target = of_target.Of(k);
+                        });
 }
 
 EdgeArray AddStereo(PyProblem& p, const VertexArray& landmarks, const VertexArray& hosts,
@@ -85,21 +129,8 @@ EdgeArray AddStereo(PyProblem& p, const VertexArray& landmarks, const VertexArra
                     const MaybeArray& information, const Loss& loss) {
   const std::array<NamedVertices, 3> vertices = {
       {{&hosts, "hosts"}, {&targets, "targets"}, {&landmarks, "landmarks"}}};
-  const Rows host(uv_host, 2, "uv_host"), target(uv_target, 2, "uv_target");
-  const std::size_t n = NumEdges(vertices, std::max(host.size(), target.size()));
-  host.ExpectOneOr(n);
-  target.ExpectOneOr(n);
-  const Extrinsics of_host(T_b_host, "T_body_host_camera", n);
-  const Extrinsics of_target(T_b_target, "T_body_target_camera", n);
-  return AddEdges<EdgeReprojectionStereo>(
-      p, n, vertices, Weights(sqrt_information, information, 2, n), loss, [&](std::size_t k) {
-        EdgeReprojectionStereo edge;
-        edge.uv_host = Vector2From(host.ForEach(k));
-        edge.uv_target = Vector2From(target.ForEach(k));
-        edge.T_b_host = of_host.Of(k);
-        edge.T_b_target = of_target.Of(k);
-        return edge;
-      });
+  return AddByTwoCameras<EdgeReprojectionStereo>(p, vertices, uv_host, uv_target, T_b_host,
+                                                 T_b_target, {sqrt_information, information, loss});
 }
 
 EdgeArray AddStereoSame(PyProblem& p, const VertexArray& landmarks, const ArrayLike& uv_host,
@@ -107,21 +138,8 @@ EdgeArray AddStereoSame(PyProblem& p, const VertexArray& landmarks, const ArrayL
                         const ArrayLike& T_b_target, const MaybeArray& sqrt_information,
                         const MaybeArray& information, const Loss& loss) {
   const std::array<NamedVertices, 1> vertices = {{{&landmarks, "landmarks"}}};
-  const Rows host(uv_host, 2, "uv_host"), target(uv_target, 2, "uv_target");
-  const std::size_t n = NumEdges(vertices, std::max(host.size(), target.size()));
-  host.ExpectOneOr(n);
-  target.ExpectOneOr(n);
-  const Extrinsics of_host(T_b_host, "T_body_host_camera", n);
-  const Extrinsics of_target(T_b_target, "T_body_target_camera", n);
-  return AddEdges<EdgeReprojectionStereoSame>(
-      p, n, vertices, Weights(sqrt_information, information, 2, n), loss, [&](std::size_t k) {
-        EdgeReprojectionStereoSame edge;
-        edge.uv_host = Vector2From(host.ForEach(k));
-        edge.uv_target = Vector2From(target.ForEach(k));
-        edge.T_b_host = of_host.Of(k);
-        edge.T_b_target = of_target.Of(k);
-        return edge;
-      });
+  return AddByTwoCameras<EdgeReprojectionStereoSame>(
+      p, vertices, uv_host, uv_target, T_b_host, T_b_target, {sqrt_information, information, loss});
 }
 
 EdgeArray AddPointReprojections(PyProblem& p, const VertexArray& poses, const VertexArray& points,
@@ -130,16 +148,13 @@ EdgeArray AddPointReprojections(PyProblem& p, const VertexArray& poses, const Ve
                                 const Loss& loss) {
   const std::array<NamedVertices, 2> vertices = {{{&poses, "poses"}, {&points, "points"}}};
   const Rows measured(uv, 2, "uv");
-  const std::size_t n = NumEdges(vertices, measured.size());
-  measured.ExpectOneOr(n);
-  const Extrinsics extrinsics(T_b_c, "T_body_camera", n);
-  return AddEdges<EdgeReprojectionXYZ>(p, n, vertices, Weights(sqrt_information, information, 2, n),
-                                       loss, [&](std::size_t k) {
-                                         EdgeReprojectionXYZ edge;
-                                         edge.uv = Vector2From(measured.ForEach(k));
-                                         edge.T_b_c = extrinsics.Of(k);
-                                         return edge;
-                                       });
+  const Extrinsics extrinsics(T_b_c, "T_body_camera");
+  return AddMeasured<EdgeReprojectionXYZ>(p, vertices, {&measured}, {&extrinsics},
+                                          {sqrt_information, information, loss},
+                                          [&](EdgeReprojectionXYZ* edge, std::size_t k) {
+                                            edge->uv = Vector2From(measured.ForEach(k));
+                                            edge->T_b_c = extrinsics.Of(k);
+                                          });
 }
 
 EdgeArray AddBal(PyProblem& p, const VertexArray& cameras, const VertexArray& points,
@@ -147,30 +162,19 @@ EdgeArray AddBal(PyProblem& p, const VertexArray& cameras, const VertexArray& po
                  const MaybeArray& information, const Loss& loss) {
   const std::array<NamedVertices, 2> vertices = {{{&cameras, "cameras"}, {&points, "points"}}};
   const Rows measured(uv, 2, "uv");
-  const std::size_t n = NumEdges(vertices, measured.size());
-  measured.ExpectOneOr(n);
-  return AddEdges<EdgeBal>(p, n, vertices, Weights(sqrt_information, information, 2, n), loss,
-                           [&](std::size_t k) {
-                             EdgeBal edge;
-                             edge.uv = Vector2From(measured.ForEach(k));
-                             return edge;
-                           });
+  return AddMeasured<EdgeBal>(
+      p, vertices, {&measured}, {}, {sqrt_information, information, loss},
+      [&](EdgeBal* edge, std::size_t k) { edge->uv = Vector2From(measured.ForEach(k)); });
 }
 
-template <class E>
 EdgeArray AddPosePriors(PyProblem& p, const VertexArray& poses, const ArrayLike& T,
                         const MaybeArray& sqrt_information, const MaybeArray& information,
                         const Loss& loss) {
   const std::array<NamedVertices, 1> vertices = {{{&poses, "poses"}}};
   const Rows priors(T, 7, "priors");
-  const std::size_t n = NumEdges(vertices, priors.size());
-  priors.ExpectOneOr(n);
-  return AddEdges<E>(p, n, vertices, Weights(sqrt_information, information, 6, n), loss,
-                     [&](std::size_t k) {
-                       E edge;
-                       edge.T_w_b = PoseFrom(priors.ForEach(k));
-                       return edge;
-                     });
+  return AddMeasured<EdgeSE3Prior>(
+      p, vertices, {&priors}, {}, {sqrt_information, information, loss},
+      [&](EdgeSE3Prior* edge, std::size_t k) { edge->T_w_b = PoseFrom(priors.ForEach(k)); });
 }
 
 EdgeArray AddRelativePoses(PyProblem& p, const VertexArray& from, const VertexArray& to,
@@ -178,14 +182,9 @@ EdgeArray AddRelativePoses(PyProblem& p, const VertexArray& from, const VertexAr
                            const MaybeArray& information, const Loss& loss) {
   const std::array<NamedVertices, 2> vertices = {{{&from, "from_poses"}, {&to, "to_poses"}}};
   const Rows measured(T, 7, "T_from_to");
-  const std::size_t n = NumEdges(vertices, measured.size());
-  measured.ExpectOneOr(n);
-  return AddEdges<EdgeRelativePose>(p, n, vertices, Weights(sqrt_information, information, 6, n),
-                                    loss, [&](std::size_t k) {
-                                      EdgeRelativePose edge;
-                                      edge.T_i_j = PoseFrom(measured.ForEach(k));
-                                      return edge;
-                                    });
+  return AddMeasured<EdgeRelativePose>(
+      p, vertices, {&measured}, {}, {sqrt_information, information, loss},
+      [&](EdgeRelativePose* edge, std::size_t k) { edge->T_i_j = PoseFrom(measured.ForEach(k)); });
 }
 
 EdgeArray AddSpeedBiasPriors(PyProblem& p, const VertexArray& speed_biases, const ArrayLike& x,
@@ -193,14 +192,11 @@ EdgeArray AddSpeedBiasPriors(PyProblem& p, const VertexArray& speed_biases, cons
                              const Loss& loss) {
   const std::array<NamedVertices, 1> vertices = {{{&speed_biases, "speed_biases"}}};
   const Rows priors(x, 9, "priors");
-  const std::size_t n = NumEdges(vertices, priors.size());
-  priors.ExpectOneOr(n);
-  return AddEdges<EdgeSpeedBiasPrior>(p, n, vertices, Weights(sqrt_information, information, 9, n),
-                                      loss, [&](std::size_t k) {
-                                        EdgeSpeedBiasPrior edge;
-                                        std::copy_n(priors.ForEach(k), 9, edge.prior.Data());
-                                        return edge;
-                                      });
+  return AddMeasured<EdgeSpeedBiasPrior>(p, vertices, {&priors}, {},
+                                         {sqrt_information, information, loss},
+                                         [&](EdgeSpeedBiasPrior* edge, std::size_t k) {
+                                           std::copy_n(priors.ForEach(k), 9, edge->prior.Data());
+                                         });
 }
 
 #define GLISSADE_WEIGHT_ARGS                                                                    \
@@ -244,7 +240,7 @@ void BindEdges(nb::class_<PyProblem>& problem) {
            GLISSADE_WEIGHT_ARGS,
            doc("Observations as in BAL files.\n\nuv: (n, 2) [px] from the image centre, y up.")
                .c_str())
-      .def("add_pose_priors", &AddPosePriors<EdgeSE3Prior>, nb::arg("poses"), nb::arg("priors"),
+      .def("add_pose_priors", &AddPosePriors, nb::arg("poses"), nb::arg("priors"),
            GLISSADE_WEIGHT_ARGS,
            doc("Priors on poses: r = [p - p0 [m], Log(q0^-1 q) [rad]].\n\npriors: (n, 7).").c_str())
       .def("add_relative_poses", &AddRelativePoses, nb::arg("from_poses"), nb::arg("to_poses"),

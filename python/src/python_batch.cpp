@@ -30,7 +30,7 @@ void PythonBatch::Evaluate(std::span<BatchedEdge> edges) const {
   if (edges.empty()) return;
   const nb::gil_scoped_acquire acquire;
   const Arguments arguments = Gather(edges);
-  WriteResiduals(Residual(arguments), edges);
+  WriteResiduals(Residual(arguments, edges.size()), edges);
   if (edges[0].jacobians == nullptr) return;
   if (has_jacobian_) {
     WriteJacobians(arguments, edges);
@@ -78,8 +78,7 @@ PythonBatch::Arguments PythonBatch::Gather(std::span<const BatchedEdge> edges) c
     std::vector<double> states(n * dim);
     for (std::size_t k = 0; k < n; ++k)
       std::copy_n(edges[k].vertices[i].data, dim, states.data() + k * dim);
-    out.states.push_back(states);  // differences start from them, whatever residual() does
-    out.arrays.push_back(nb::cast(Own(std::move(states), {n, dim})));
+    out.push_back(nb::cast(Own(std::move(states), {n, dim})));
   }
   const auto row = [&](std::size_t k) {
     return static_cast<const PythonEdge*>(edges[k].edge)->row();
@@ -90,7 +89,7 @@ PythonBatch::Arguments PythonBatch::Gather(std::span<const BatchedEdge> edges) c
   nb::object picked;
   for (const auto& data : data_) {
     if (all) {
-      out.arrays.push_back(data->get());
+      out.push_back(data->get());
       continue;
     }
     if (!picked.is_valid()) {
@@ -99,18 +98,18 @@ PythonBatch::Arguments PythonBatch::Gather(std::span<const BatchedEdge> edges) c
         rows[k] = static_cast<std::int64_t>(row(k));
       picked = nb::cast(Own(std::move(rows)));
     }
-    out.arrays.push_back(data->get()[picked]);
+    out.push_back(data->get()[picked]);
   }
   return out;
 }
 
-nb::object PythonBatch::Call(nb::handle function, const std::vector<nb::object>& arrays) {
-  nb::object arguments = nb::steal(PyTuple_New(static_cast<Py_ssize_t>(arrays.size())));
-  for (std::size_t k = 0; k < arrays.size(); ++k) {
-    PyTuple_SetItem(arguments.ptr(), static_cast<Py_ssize_t>(k),
-                    nb::object(arrays[k]).release().ptr());
+nb::object PythonBatch::Call(nb::handle function, const Arguments& arguments) {
+  nb::object tuple = nb::steal(PyTuple_New(static_cast<Py_ssize_t>(arguments.size())));
+  for (std::size_t k = 0; k < arguments.size(); ++k) {
+    PyTuple_SetItem(tuple.ptr(), static_cast<Py_ssize_t>(k),
+                    nb::object(arguments[k]).release().ptr());
   }
-  PyObject* result = PyObject_CallObject(function.ptr(), arguments.ptr());
+  PyObject* result = PyObject_CallObject(function.ptr(), tuple.ptr());
   if (result == nullptr) throw nb::python_error();
   return nb::steal(result);
 }
@@ -139,12 +138,8 @@ std::string PythonBatch::Name(const char* function) const {
   return std::string(nb::str(type).c_str()).append(".").append(function).append("()");
 }
 
-Doubles PythonBatch::Residual(const Arguments& arguments) const {
-  nb::object value = Call(kind_.get().attr("residual"), arguments.arrays);
-  const std::size_t n =
-      arguments.states.empty()
-          ? 0
-          : arguments.states[0].size() / static_cast<std::size_t>(types_[0]->ambient_dim);
+Doubles PythonBatch::Residual(const Arguments& arguments, std::size_t n) const {
+  nb::object value = Call(kind_.get().attr("residual"), arguments);
   return Converted(value, Name("residual"), {n, rows_});
 }
 
@@ -174,7 +169,7 @@ void PythonBatch::WriteResiduals(const Doubles& residual, std::span<BatchedEdge>
 }
 
 void PythonBatch::WriteJacobians(const Arguments& arguments, std::span<BatchedEdge> edges) const {
-  nb::object value = Call(kind_.get().attr("jacobian"), arguments.arrays);
+  nb::object value = Call(kind_.get().attr("jacobian"), arguments);
   if (types_.size() == 1 && nb::hasattr(value, "shape")) value = nb::make_tuple(value);
   if (!PySequence_Check(value.ptr()) || nb::len(value) != types_.size()) {
     throw nb::value_error(Name("jacobian")
@@ -210,7 +205,7 @@ void PythonBatch::WriteDifferences(const Arguments& at, std::span<BatchedEdge> e
         Arguments there = at;
         std::vector<double> states(n * ambient);
         for (std::size_t k = 0; k < n; ++k) {
-          const double* x = at.states[i].data() + k * ambient;
+          const double* x = edges[k].vertices[i].data;
           // The cube root of the rounding, of the size of the number where it
           // is a sum.
           const bool is_sum = ops.additive || (ops.type == &kTypeInfo<VertexPose> && c < 3);
@@ -220,8 +215,8 @@ void PythonBatch::WriteDifferences(const Arguments& at, std::span<BatchedEdge> e
           delta[c] = sign * steps[k];
           ops.plus(x, delta.data(), states.data() + k * ambient);
         }
-        there.arrays[i] = nb::cast(Own(std::move(states), {n, ambient}));
-        return Residual(there);
+        there[i] = nb::cast(Own(std::move(states), {n, ambient}));
+        return Residual(there, n);
       };
       const Doubles ahead = moved(1.0), behind = moved(-1.0);
       for (std::size_t k = 0; k < n; ++k) {

@@ -87,21 +87,20 @@ class PythonBatch final : public EdgeBatch {
   [[nodiscard]] double CompareJacobians(std::span<BatchedEdge> edges) const;
 
  private:
-  struct Arguments {
-    std::vector<std::vector<double>> states;
-    std::vector<nb::object> arrays;  // the states, then the data
-  };
+  /// The states, then the data.
+  using Arguments = std::vector<nb::object>;
 
   /// The rows of the batch that are asked for, in the order of the edges.
   Arguments Gather(std::span<const BatchedEdge> edges) const;
 
-  static nb::object Call(nb::handle function, const std::vector<nb::object>& arrays);
+  static nb::object Call(nb::handle function, const Arguments& arguments);
 
   [[nodiscard]] Doubles Converted(nb::handle value, const std::string& what,
                                   std::initializer_list<std::size_t> shape) const;
   [[nodiscard]] std::string Name(const char* function) const;
 
-  [[nodiscard]] Doubles Residual(const Arguments& arguments) const;
+  /// (n, rows_) of n edges.
+  [[nodiscard]] Doubles Residual(const Arguments& arguments, std::size_t n) const;
 
   /// out <- L in of edge k, in: rows_ x columns.
   void Weigh(const BatchedEdge& edge, const double* in, std::size_t columns, double* out) const;
